@@ -240,27 +240,27 @@ fn typed<S, R>(element: Element, variable: &Variable<S, R>, settings: &S) -> Ele
 /// definition of the model structure; section 2.4.8 of FMI 3.0.2).
 fn model_structure<S, R>(version: Version, table: &Table<S, R>) -> Element {
     // FMI 2.0 counts variables from 1; FMI 3.0 has their value references.
-    let number = |place: usize| match version {
-        Two => (place + 1).to_string(),
-        Three => table.variables()[place].reference.to_string(),
+    let number = |index: usize| match version {
+        Two => (index + 1).to_string(),
+        Three => table.variables()[index].reference.to_string(),
     };
-    let places = 0..table.variables().len();
-    let outputs = places.filter(|place| table.variables()[*place].causality == Causality::Output);
-    let unknown = |tag, place: usize| match version {
-        Two => Element::new("Unknown").with("index", number(place)),
-        Three => Element::new(tag).with("valueReference", number(place)),
+    let indices = 0..table.variables().len();
+    let outputs = indices.filter(|index| table.variables()[*index].causality == Causality::Output);
+    let unknown = |tag, index: usize| match version {
+        Two => Element::new("Unknown").with("index", number(index)),
+        Three => Element::new(tag).with("valueReference", number(index)),
     };
     let depending = |unknown: Element, known: &[usize]| {
-        let numbers: Vec<_> = known.iter().map(|place| number(*place)).collect();
+        let numbers: Vec<_> = known.iter().map(|index| number(*index)).collect();
         unknown
             .with("dependencies", numbers.join(" "))
             .with("dependenciesKind", vec!["dependent"; known.len()].join(" "))
     };
-    let in_run = outputs.clone().map(|place| depending(unknown("Output", place), &[]));
-    let initial = outputs.map(|place| {
-        let unknown = unknown("InitialUnknown", place);
-        match table.initial_dependencies(&table.variables()[place]) {
-            Some(places) => depending(unknown, &places),
+    let in_run = outputs.clone().map(|index| depending(unknown("Output", index), &[]));
+    let initial = outputs.map(|index| {
+        let unknown = unknown("InitialUnknown", index);
+        match table.initial_dependencies(&table.variables()[index]) {
+            Some(indices) => depending(unknown, &indices),
             None => unknown,
         }
     });

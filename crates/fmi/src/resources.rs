@@ -2,7 +2,7 @@
 //! the content of its files.
 //!
 //! FMI 2.0 passes a `file:` URI and FMI 3.0 a path. Importers pass either in both, with spaces and
-//! percent signs encoded or not, or nothing. So there are several places to look in; the last one
+//! percent signs encoded or not, or nothing. So there are several folders to look in; the last one
 //! is beside the library.
 
 use std::fs::File;
@@ -40,12 +40,12 @@ pub fn content(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
 /// U+FEFF in UTF-8, with which some editors begin a text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// The places that a resource location may mean, the most likely one first; none for an empty
+/// The folders that a resource location may mean, the most likely one first; none for an empty
 /// location.
 ///
 /// # Errors
 /// It is neither an absolute path nor the URI of a local file.
-pub(crate) fn places(location: &str) -> Result<Vec<PathBuf>, String> {
+pub(crate) fn folders(location: &str) -> Result<Vec<PathBuf>, String> {
     Ok(read(location, cfg!(windows))?.into_iter().map(PathBuf::from).collect())
 }
 

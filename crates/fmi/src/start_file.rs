@@ -19,7 +19,7 @@ use super::unit::Unit;
 pub const FILE: &str = "start-values.txt";
 
 /// Largest size of the file, bytes: a larger file is not a list of start values.
-const LARGEST: u64 = 1 << 20;
+const LARGEST_FILE: u64 = 1 << 20;
 
 /// Characters at the beginning of a token that a copy has from the original:
 /// `{01234567-0123-0123-`.
@@ -45,7 +45,7 @@ pub(crate) fn find<U: Unit>(
     for folder in folders {
         let path = folder.join(FILE);
         let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
-        if let Some(bytes) = content(&path, LARGEST).map_err(unusable)? {
+        if let Some(bytes) = content(&path, LARGEST_FILE).map_err(unusable)? {
             let text = String::from_utf8(bytes).map_err(|_| "it is not text in UTF-8".to_owned());
             let settings = text.and_then(|text| parse(&text, &U::table(), defaults));
             return settings.map(Some).map_err(unusable);

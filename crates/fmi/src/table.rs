@@ -472,8 +472,8 @@ impl<S, R> Table<S, R> {
         enumerations: &'static [&'static Enumeration],
         variables: Vec<Variable<S, R>>,
     ) -> Self {
-        let places = variables.iter().enumerate();
-        let by_reference = places.map(|(place, variable)| (variable.reference, place)).collect();
+        let numbered = variables.iter().enumerate();
+        let by_reference = numbered.map(|(index, variable)| (variable.reference, index)).collect();
         let is_used = |name| {
             variables
                 .iter()
@@ -490,14 +490,14 @@ impl<S, R> Table<S, R> {
         }
     }
 
-    /// The places of the settings on which a variable depends in initialisation mode, in order;
+    /// The indices of the settings on which a variable depends in initialisation mode, in order;
     /// `None` if it depends on all.
     #[must_use]
     pub fn initial_dependencies(&self, variable: &Variable<S, R>) -> Option<Vec<usize>> {
         let (_, settings) = self.initial.iter().find(|(name, _)| *name == variable.name)?;
-        let places = self.variables.iter().enumerate();
-        let known = places.filter(|(_, one)| settings.contains(&one.name.as_str()));
-        Some(known.map(|(place, _)| place).collect())
+        let numbered = self.variables.iter().enumerate();
+        let known = numbered.filter(|(_, one)| settings.contains(&one.name.as_str()));
+        Some(known.map(|(index, _)| index).collect())
     }
 
     /// The array that a variable with this value reference is an element of.
@@ -515,7 +515,7 @@ impl<S, R> Table<S, R> {
     /// The variable with a value reference.
     #[must_use]
     pub fn by_reference(&self, reference: u32) -> Option<&Variable<S, R>> {
-        self.by_reference.get(&reference).map(|place| &self.variables[*place])
+        self.by_reference.get(&reference).map(|index| &self.variables[*index])
     }
 
     /// The variable with a name.

@@ -107,12 +107,12 @@ fn start<U: Unit>(
     };
     let token = texts.token?.ok_or_else(|| format!("the {what} is missing"))?;
     let importer = importer(warn)?;
-    // A location that means no place is a warning: without start values in its resources an FMU
+    // A location that means no folder is a warning: without start values in its resources an FMU
     // works too.
-    let places = resources::places(&texts.location?.unwrap_or_default());
-    let mut places = places.map_err(|why| warn(&why)).unwrap_or_default();
-    places.extend(library::own_path().and_then(|path| resources::resources_of(&path)));
-    let defaults = load::<U>(&places)?;
+    let folders = resources::folders(&texts.location?.unwrap_or_default());
+    let mut folders = folders.map_err(|why| warn(&why)).unwrap_or_default();
+    folders.extend(library::own_path().and_then(|path| resources::resources_of(&path)));
+    let defaults = load::<U>(&folders)?;
     let own = description::token::<U>(version, U::data(&defaults));
     let is_copy = start_file::is_of_copy(&token, &own).ok_or_else(|| {
         format!(
@@ -120,7 +120,7 @@ fn start<U: Unit>(
              to another binary"
         )
     })?;
-    let start = start_file::find::<U>(&places, is_copy, &defaults)?;
+    let start = start_file::find::<U>(&folders, is_copy, &defaults)?;
     Ok((importer, start.unwrap_or(defaults)))
 }
 

@@ -13,13 +13,13 @@ const LATEST: f64 = 1e11;
 /// A time is known to so many times the rounding of the number: importers reach one point by
 /// different sums.
 const UNCERTAIN: f64 = 16.0;
-/// Rounding of an importer that sums up its steps, as a share of the time.
+/// Rounding of an importer that sums up its steps, as a fraction of the time.
 const ROUNDING_OF_TIME: f64 = 1e-9;
-/// The least difference between two communication points that is taken for rounding, as a share of
-/// the step.
+/// The least difference between two communication points that is taken for rounding, as a fraction
+/// of the step.
 const LEAST_ROUNDING: f64 = 1e-6;
-/// The largest difference that is taken for rounding, as a share of the step: results hardly change
-/// by it.
+/// The largest difference that is taken for rounding, as a fraction of the step: results hardly
+/// change by it.
 const LARGEST_ROUNDING: f64 = 1e-3;
 
 /// Times at a communication point.

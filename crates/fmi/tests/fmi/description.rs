@@ -5,7 +5,8 @@ use pushbelt_fmi::{model_description, token};
 
 use crate::tank::Tank;
 
-/// A copy with other data has the token with the data's hash in it, so that a tool can calculate it.
+/// A copy with other data has the token with the data's hash in it, so that a tool can calculate
+/// it.
 #[test]
 fn a_token_has_the_hash_of_the_data_in_it() {
     for version in [Two, Three] {

@@ -122,7 +122,8 @@ fn the_tolerance_is_stored() {
     }
 }
 
-/// After a change of what is stored, or of its order, raise `VERSION` in `instance/bytes.rs` and pin both again.
+/// After a change of what is stored, or of its order, raise `VERSION` in `instance/bytes.rs` and
+/// pin both again.
 #[test]
 fn the_layout_belongs_to_its_version() {
     let importer = running(Two);
