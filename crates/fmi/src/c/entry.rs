@@ -2,6 +2,7 @@
 //! references and strings.
 
 use libc::{c_char, c_void};
+use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::NonNull;
 
@@ -112,22 +113,23 @@ pub(crate) unsafe fn array<'a, T>(pointer: *const T, count: usize) -> Result<&'a
 /// An array for results; an error if it is null though it should have elements.
 ///
 /// # Safety
-/// `pointer` is null, or points to `count` initialised elements in one allocation, writable and not
-/// otherwise used for `'a`.
-pub(crate) unsafe fn array_mut<'a, T>(pointer: *mut T, count: usize) -> Result<&'a mut [T], CallError> {
-    let pointer = usable(pointer, count)?;
-    // SAFETY: as in `array`. The caller grants that nobody else uses the elements.
+/// `pointer` is null, or points to `count` elements in one allocation, writable and not otherwise
+/// used for `'a`.
+pub(crate) unsafe fn array_mut<'a, T>(pointer: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>], CallError> {
+    let pointer = usable(pointer, count)?.cast();
+    // SAFETY: as in `array`. The caller grants that nobody else uses the elements. They need not be
+    // initialised.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
 
 /// The place of a result; an error if it is null.
 ///
 /// # Safety
-/// `pointer` is null, or is aligned and points to a writable, initialised value that is not
-/// otherwise used for `'a`.
-pub(crate) unsafe fn result<'a, T>(pointer: *mut T) -> Result<&'a mut T, CallError> {
-    // SAFETY: the caller grants that it is null or such a value.
-    unsafe { pointer.as_mut() }.map_or_else(|| refused(NULL_RESULT), Ok)
+/// `pointer` is null, or is aligned and points to a writable value that is not otherwise used for
+/// `'a`.
+pub(crate) unsafe fn result<'a, T>(pointer: *mut T) -> Result<&'a mut MaybeUninit<T>, CallError> {
+    // SAFETY: the caller grants that it is null or such a value. It need not be initialised.
+    unsafe { pointer.cast::<MaybeUninit<T>>().as_mut() }.map_or_else(|| refused(NULL_RESULT), Ok)
 }
 
 /// The longest text that a host passes, bytes. A path has some thousand, a URI of it three times as

@@ -2,9 +2,9 @@
 //! its bytes.
 //!
 //! A stored state is null, or a `Box<Snapshot<U>>` that [`get`] or [`deserialize`] has released and
-//! that has not been freed. The importer grants this (section 2.1.8 of FMI 2.0, 2.2.6.4 of FMI
-//! 3.0), with the same unit `U`, of which a library has one. A state that is read stays as it is:
-//! no other call uses it at the same time.
+//! that has not been freed. The importer grants this ("Getting and Setting the Complete FMU State"
+//! in both standards), with the same unit `U`, of which a library has one. A state that is read
+//! stays as it is: no other call writes to it at the same time.
 
 use libc::c_void;
 use std::ptr;
@@ -23,8 +23,9 @@ type Stored = *mut c_void;
 /// # Safety
 /// `state` is null or points to a stored state that no other call uses.
 pub(crate) unsafe fn get<U: Unit>(instance: &mut FmuInstance<U>, state: *mut Stored) -> Outcome {
-    // SAFETY: the caller grants that it is null or points to a value for this call alone.
-    let state = unsafe { result(state) }?;
+    // SAFETY: the caller grants that it is null or points to a value for this call alone, and that
+    // it is initialised: the standard has the importer set it to null.
+    let state = unsafe { result(state)?.assume_init_mut() };
     let saved = instance.save()?;
     // SAFETY: it is null or a boxed snapshot, which no other call uses.
     match unsafe { state.cast::<Snapshot<U>>().as_mut() } {
@@ -68,7 +69,7 @@ pub(crate) unsafe fn free<U: Unit>(instance: &mut FmuInstance<U>, state: *mut St
 pub(crate) unsafe fn size<U: Unit>(instance: &mut FmuInstance<U>, state: Stored, size: *mut usize) -> Outcome {
     // SAFETY: the caller grants this of both, and they are no parts of each other.
     let (snapshot, size) = unsafe { (snapshot(state)?, result(size)?) };
-    *size = instance.serialize(snapshot)?.len();
+    size.write(instance.serialize(snapshot)?.len());
     Ok(())
 }
 
@@ -87,7 +88,7 @@ pub(crate) unsafe fn serialize<U: Unit>(
     let bytes = instance.serialize(snapshot)?;
     let (given, needed) = (target.len(), bytes.len());
     match target.get_mut(..needed) {
-        Some(target) => target.copy_from_slice(&bytes),
+        Some(target) => drop(target.write_copy_of_slice(&bytes)),
         None => return refused(format!("the state takes {needed} bytes, but only {given} are given")),
     }
     Ok(())

@@ -1,6 +1,7 @@
 //! The C functions of FMI 2.0: signatures (`fmi2FunctionTypes.h`) and bodies.
 
 use libc::{c_char, c_int, c_uint, c_void};
+use std::mem::MaybeUninit;
 use std::ptr::null_mut;
 
 use super::creation::{instantiate, processor_suffices};
@@ -114,12 +115,12 @@ macro_rules! fmi2_functions {
         fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status =>
             c, |instance| instance.status(kind, LAST_SUCCESSFUL_TIME, result(value)?, FmuInstance::time);
         fmi2GetIntegerStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =>
-            c, |instance| instance.status(kind, NONE, &mut (), |_| ());
+            c, |instance| instance.status(kind, NONE, &mut MaybeUninit::uninit(), |_| ());
         // The instance never requests the end of the run.
         fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =>
             c, |instance| instance.status(kind, TERMINATED, result(value)?, |_| 0);
         fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status =>
-            c, |instance| instance.status(kind, NONE, &mut (), |_| ());
+            c, |instance| instance.status(kind, NONE, &mut MaybeUninit::uninit(), |_| ());
 
         // Model exchange: hosts may look up all functions.
         fmi2EnterEventMode(c: Component) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);

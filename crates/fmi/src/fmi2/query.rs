@@ -32,7 +32,7 @@ pub unsafe fn query<U: Unit>(
         // SAFETY: it is null or points to the pointer written above.
         let text = unsafe { result(text) }?;
         let (status, found) = instance.query(query)?;
-        *text = c_string(&found).into_raw();
+        text.write(c_string(&found).into_raw());
         Ok(status)
     };
     // SAFETY: the caller grants that it is null or an instance that no other call uses.

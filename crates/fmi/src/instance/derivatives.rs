@@ -1,5 +1,7 @@
 //! Derivatives of inputs and outputs with respect to time.
 
+use std::mem::MaybeUninit;
+
 use super::calls::FmuInstance;
 use super::snapshot::zero_rates;
 use super::values::{Type, check_count, find};
@@ -40,7 +42,12 @@ impl<U: Unit> FmuInstance<U> {
     /// # Errors
     /// The unit has no derivatives, a variable is no real output or an element of an array, an
     /// order is not 1, or the number of values is wrong.
-    pub fn get_output_derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Outcome {
+    pub fn get_output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &mut [MaybeUninit<f64>],
+    ) -> Outcome {
         self.allow(Call::GetOutputDerivatives)?;
         self.allow_intermediate(references)?;
         check_count(references.len(), values.len(), references.len())?;
@@ -71,7 +78,7 @@ impl<U: Unit> FmuInstance<U> {
                     .and_then(Value::number)
             };
             let [before, after] = moment.each_ref().map(|at| read(at).unwrap_or(f64::NAN));
-            *value = (after - before) / span;
+            value.write((after - before) / span);
         }
         Ok(())
     }

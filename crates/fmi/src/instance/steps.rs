@@ -1,5 +1,7 @@
 //! Communication steps as sequences of internal steps of the unit, and the status of the last one.
 
+use std::mem::MaybeUninit;
+
 use super::calls::{Callback, FmuInstance, StepInProgress};
 use super::{CallError, Outcome, refused};
 use crate::log::{Category, Status};
@@ -177,7 +179,13 @@ impl<U: Unit> FmuInstance<U> {
     /// # Errors
     /// The kind is not of the standard; or
     /// the kind has no value of this type, and the call is discarded.
-    pub fn status<T>(&self, kind: i32, known: i32, place: &mut T, value: impl FnOnce(&Self) -> T) -> Outcome {
+    pub fn status<T>(
+        &self,
+        kind: i32,
+        known: i32,
+        place: &mut MaybeUninit<T>,
+        value: impl FnOnce(&Self) -> T,
+    ) -> Outcome {
         if !(0..=3).contains(&kind) {
             return refused(format!("the kind of status {kind} is not one of the standard's"));
         }
@@ -188,7 +196,7 @@ impl<U: Unit> FmuInstance<U> {
                  fmi2DoStep returns"
             )));
         }
-        *place = value(self);
+        place.write(value(self));
         Ok(())
     }
 

@@ -1,5 +1,7 @@
 //! Reading and writing of variables.
 
+use std::mem::MaybeUninit;
+
 use num_traits::{NumCast, ToPrimitive};
 
 use super::calls::{FmuInstance, Version};
@@ -69,7 +71,7 @@ impl<U: Unit> FmuInstance<U> {
     /// # Errors
     /// A variable does not exist or has another type, or the number of values is wrong; or the unit
     /// does not start, and the instance has failed.
-    pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
+    pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [MaybeUninit<N>]) -> Outcome {
         self.allow_intermediate(references)?;
         self.check_values(references, values.len())?;
         self.allow(Call::Get)?;
@@ -98,7 +100,7 @@ impl<U: Unit> FmuInstance<U> {
                 _ => find(&self.table, reference, of)?.value(settings, readings),
             };
             if let Some(found) = found.and_then(Value::number) {
-                *value = found;
+                value.write(found);
             }
         }
         Ok(())
