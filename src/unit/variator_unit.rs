@@ -41,11 +41,7 @@ impl<R: Rings> UnitWith<R> {
     /// Applies the tunable parameters.
     fn tune(&mut self, settings: &Settings<R>) -> Result<(), ParameterError> {
         let wanted = &settings.parameters.friction;
-        let present = &self.variator.parameters().friction;
-        if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
-            self.variator.set_friction(wanted.pulley, wanted.ring)?;
-        }
-        Ok(())
+        self.variator.set_friction(wanted.pulley, wanted.ring)
     }
 
     /// Moves the variator's messages to the remarks.

@@ -232,9 +232,9 @@ impl Variator {
         self.simulation.time
     }
 
-    /// Parameters in force.
+    /// Parameters as set. Those in force are in [`Variator::system`].
     pub fn parameters(&self) -> &Parameters {
-        &self.simulation.system.parameters
+        self.simulation.system.parameters.as_set()
     }
 
     /// The assembled system, for reports and tests.
@@ -262,16 +262,15 @@ impl Variator {
         self.simulation.start_work
     }
 
-    /// Changes the two tunable friction coefficients.
+    /// Sets the two tunable friction coefficients.
     ///
     /// # Errors
     /// A coefficient that is out of its range; nothing was changed.
     pub fn set_friction(&mut self, pulley: f64, ring: f64) -> Result<(), ParameterError> {
         let of = &mut self.simulation;
-        let mut changed = of.system.parameters.clone();
-        (changed.friction.pulley, changed.friction.ring) = (pulley, ring);
-        changed.validate_friction()?;
-        of.system.parameters.friction = changed.in_force().friction;
+        if !of.system.parameters.set_friction(pulley, ring)? {
+            return Ok(());
+        }
         of.energy.last.update(&of.system, of.state.view());
         self.stepper.sdirk.newton.forget_rate();
         // All kept derivatives are of the same law, as in a soft start.
