@@ -219,7 +219,7 @@ impl Sdirk {
     /// Takes one step from `time`, which is before `to`, s, to at most that; afterwards `time` is where it ends.
     ///
     /// # Errors
-    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at `time`.
+    /// The step size fell below 0.1 ns, or a time is not a number; the state is that of the last accepted step, at `time`.
     pub fn step<S: Evolution>(
         &mut self,
         system: &mut S,
@@ -263,7 +263,7 @@ impl Sdirk {
             } else {
                 &mut counts.rejected
             } += 1;
-            if self.step < MIN_STEP {
+            if self.step.is_nan() || self.step < MIN_STEP {
                 let (time, step) = (*time, self.step);
                 return Err(Stalled { time, step, newton });
             }

@@ -9,7 +9,7 @@ use crate::variator::diagnostics::energy_balance::EnergyBalance;
 use crate::variator::diagnostics::observe::Observer;
 use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::run::hints::Hints;
-use crate::variator::run::outcome::{Event, InitialisationError, Message};
+use crate::variator::run::outcome::{Event, InitialisationError, Message, TimeError};
 use crate::variator::run::pace::Pace;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::stepper::Stepper;
@@ -98,8 +98,9 @@ impl Variator {
     /// and the reason.
     ///
     /// # Errors
-    /// An input that is out of its range, or no state found.
+    /// A time or an input that is out of its range, or no state found.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
+        TimeError::check(None, time)?;
         inputs.validate()?;
         self.slipped = f64::NEG_INFINITY;
         self.start_state = self.simulation.find_start(time, inputs)?;

@@ -263,3 +263,19 @@ fn a_stalled_step_is_reported() {
     let y = system.values(&state.y)[0];
     assert!(y > 1e3 && y.is_finite(), "{y}");
 }
+
+/// A time that is not a number, or an infinite one, ends in the same error.
+#[test]
+fn a_step_to_no_time_stalls() {
+    for (from, to) in [
+        (f64::NAN, 1.0),
+        (0.0, f64::NAN),
+        (0.0, f64::INFINITY),
+        (f64::NEG_INFINITY, 1.0),
+    ] {
+        let mut system = Test::new(Decay {});
+        let (mut state, mut time) = (system.state(0.0), from);
+        let stalled = fixed(&system, 0.1).step(&mut system, &mut state, &mut time, to);
+        assert!(stalled.is_err(), "from {from} to {to}");
+    }
+}
