@@ -101,8 +101,13 @@ impl<R: Rings> Unit for UnitWith<R> {
         settings: &Settings<R>,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), String> {
-        let given = step.set_inputs(&settings.inputs);
-        let advanced = given.and_then(|()| step.advance(&mut self.variator));
+        let advanced = match step.set_inputs(&settings.inputs) {
+            Ok(()) => step.advance(&mut self.variator),
+            refused => {
+                step.discard(&mut self.variator);
+                refused
+            }
+        };
         self.move_messages(remarks);
         advanced.map_err(|error| error.to_string())
     }

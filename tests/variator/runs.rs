@@ -5,7 +5,7 @@ use pushbelt::variator::run::{CommunicationStep, InitialisationError, StepError,
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Outputs, Parameters, RingModel, parameters};
 use pushbelt_support::checks::{assert_close, assert_pinned};
 use pushbelt_support::manoeuvre::Manoeuvre;
-use pushbelt_support::run::{Run, assert_continues_alike, started};
+use pushbelt_support::run::{Run, assert_continues_alike, restored, started};
 use pushbelt_support::tracking::Tracked;
 use pushbelt_support::variators::{MODELS, chain, coarse, inputs, rigid, variator};
 
@@ -333,6 +333,69 @@ fn drifting_friction_takes_few_jacobians() {
     }
 }
 
+/// All that can be read of a run but its work: time derivatives too.
+fn readings(run: &mut Variator) -> impl PartialEq + std::fmt::Debug + use<> {
+    let (outputs, profile) = (run.outputs().clone(), run.profile().clone());
+    (
+        run.time(),
+        run.parameters().clone(),
+        run.start_work(),
+        outputs,
+        profile,
+        run.moment(),
+    )
+}
+
+/// A copy, stored bytes and a step that is abandoned give back every reading, in each mode, after each tunable parameter: before a step
+/// under it and after some.
+#[test]
+fn each_way_back_gives_every_reading() {
+    for (mut parameters, mode) in [
+        (coarse(RingModel::Ale), Mode::Accurate),
+        (coarse(RingModel::Ale0), Mode::RealTime),
+        (chain(RingModel::Ale0), Mode::Accurate),
+    ] {
+        (parameters.solver.mode, parameters.solver.effort) = (mode, 1);
+        let given = |k: u32| {
+            inputs(
+                (60.0 - 30.0 * f64::from(k % 5), 13e3 + 200.0 * f64::from(k)),
+                (-49.0, 10e3),
+            )
+        };
+        let mut run = started(parameters.clone(), &given(0));
+        let mut behind = 0;
+        let mut check = |run: &mut Variator, k: u32, friction: [f64; 2]| {
+            let (expected, work) = (readings(run), run.counts());
+            for other in [&mut run.clone(), &mut restored(run, parameters.clone())] {
+                assert_eq!(
+                    (readings(other), other.counts()),
+                    (readings(run), work),
+                    "{mode:?}, {friction:?}"
+                );
+            }
+            let mut step =
+                CommunicationStep::begin(run, run.time() + 1e-3, &given(k + 3), &Inputs::ZERO).expect("in range");
+            run.set_friction(0.08, 0.02).expect("in range");
+            step.advance(run).expect("a part of a step");
+            let work = run.counts();
+            step.discard(run);
+            assert_eq!(readings(run), expected, "{mode:?}, {friction:?}");
+            assert_eq!(run.counts(), work, "work that was in vain counts");
+            behind += i32::from(run.outputs().work.behind > 0.0);
+        };
+        for (n, friction) in [[0.09, 0.05], [0.06, 0.05], [0.06, 0.03]].into_iter().enumerate() {
+            run.set_friction(friction[0], friction[1]).expect("in range");
+            let first = 3 * n as u32;
+            check(&mut run, first, friction);
+            for k in first + 1..=first + 3 {
+                run.advance(1e-3 * f64::from(k), &given(k)).expect("a step");
+            }
+            check(&mut run, first + 3, friction);
+        }
+        assert_eq!(behind > 0, mode == Mode::RealTime, "an open step is stored too");
+    }
+}
+
 /// What follows a step that can't be done does not depend on it, nor on friction that was to change in it.
 #[test]
 fn a_failed_step_leaves_nothing() {
@@ -345,6 +408,7 @@ fn a_failed_step_leaves_nothing() {
         let [one, other] = [(1e4, 0.09), (5e3, 0.05)].map(|(torque, friction)| {
             let large = inputs((torque, 5e5), (-torque, 5e5));
             let mut run = start.clone();
+            let before = readings(&mut run);
             let mut step = CommunicationStep::begin(&mut run, 3e-3, &large, &Inputs::ZERO).expect("in range");
             run.set_friction(friction, 0.01).expect("in range");
             let mut outcome = Ok(());
@@ -352,6 +416,7 @@ fn a_failed_step_leaves_nothing() {
                 outcome = step.advance(&mut run);
             }
             assert!(outcome.is_err(), "{tolerance}");
+            assert_eq!(readings(&mut run), before, "{tolerance}");
             run.advance(1e-3 + span, &gentle).expect("a step");
             run
         });

@@ -113,7 +113,7 @@ impl Sdirk {
         self.last_step.map_or(0.0, |h| (second - first) / ((1.0 - GAMMA) * h))
     }
 
-    /// Writes to an archive, or reads from it, all that later steps depend on.
+    /// Writes to an archive, or reads from it, all that later steps depend on but [the factored Jacobian](Newton::serialize_factors).
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.newton.serialize(archive);
         archive.within(&mut self.step, 0.0, f64::MAX);

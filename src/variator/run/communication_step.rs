@@ -62,10 +62,15 @@ impl CommunicationStep {
         variator.stale = true;
         let outcome = variator.stepper.step(&mut variator.simulation, self);
         if outcome.is_err() {
-            variator.roll_back(self.first_step);
-            self.count_work(variator);
+            self.discard(variator);
         }
         outcome
+    }
+
+    /// Abandons it: the variator is in the state of before, and its work remains counted.
+    pub fn discard(&self, variator: &mut Variator) {
+        variator.roll_back();
+        self.count_work(variator);
     }
 
     /// Changes inputs of a communication step that is not over: those that differ from what was given before count at once. None if one is

@@ -219,10 +219,12 @@ fn a_run_goes_on_from_an_archive() {
     let mut integrator = run(&mut system, &mut state, 10.0, 1e-4).unwrap();
     let mut archive = Archive::writer();
     integrator.serialize(&mut archive);
+    integrator.newton.serialize_factors(&mut archive);
     let bytes = archive.into_bytes();
     let mut other = Sdirk::new(&system, 1.0, f64::INFINITY);
     let mut archive = Archive::reader(&bytes);
     other.serialize(&mut archive);
+    other.newton.serialize_factors(&mut archive);
     archive.finish().unwrap();
     let mut ends = [state.clone(), state];
     for (integrator, state) in [&mut integrator, &mut other].into_iter().zip(&mut ends) {
