@@ -13,6 +13,6 @@ pub(crate) mod tuning;
 pub(crate) mod variator;
 
 pub use crate::variator::pulleys::loads::InputProfile;
-pub use outcome::{Event, InitialisationError, Message, StepError};
+pub use outcome::{Event, InitialisationError, Message, StepError, TimeError};
 pub use stepper::CommunicationStep;
 pub use variator::Variator;

@@ -108,7 +108,11 @@ fn wrong_bytes_are_refused_and_change_nothing() {
         assert_eq!(bytes[12..28], guid.to_le_bytes(), "after the version");
         refuses(&bytes[1..], "not a stored state");
         refuses(&[&bytes[..], b"x"].concat(), "checksum");
-        refuses(&damaged(8), "version");
+        // Those of another version of the layout by both versions: the present one, 18, and 18 with the changed bit.
+        refuses(
+            &damaged(8),
+            "has version 2 of the layout, and this FMU reads version 18",
+        );
         refuses(&damaged(12), "GUID");
         refuses(&damaged(bytes.len() - 1), "checksum");
         for at in 0..bytes.len() {
