@@ -22,7 +22,7 @@ use pushbelt::contact::full_slip_torque;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::reference_curve::TwoPulley;
 use pushbelt::shaft::{Drag, SPEED_SMOOTHING};
-use pushbelt::variator::settings::{Axial, Friction, Inputs, Parameters, bisected};
+use pushbelt::variator::settings::{Axial, Friction, Inputs, Parameters, ParametersInForce, bisected};
 
 use crate::settings::Settings;
 use crate::tables::{Even, Place, Tables};
@@ -115,7 +115,7 @@ impl Point {
 #[derive(Clone, Debug)]
 pub struct Law {
     pub tables: Arc<Tables>,
-    pub parameters: Parameters,
+    pub parameters: ParametersInForce,
     /// Least and greatest ln i, at the end stops.
     pub stops: [f64; 2],
     /// Places over ln i, and the primary pitch radii there, m.
@@ -130,7 +130,7 @@ pub struct Law {
 impl Law {
     /// The laws of these settings, or why there are none.
     pub fn new(settings: &Settings) -> Result<Self, String> {
-        let parameters = settings.parameters.clone();
+        let parameters = settings.parameters.in_force();
         let (least, most) = parameters.ratio_range();
         // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
         // pulleys too.
@@ -171,7 +171,7 @@ impl Law {
 
     /// What acts in a state under these inputs, and what the tables give there.
     pub fn point(&self, state: &State, inputs: &Inputs) -> Point {
-        let Parameters { friction, geometry, .. } = &self.parameters;
+        let Parameters { friction, geometry, .. } = &*self.parameters;
         let radii = self.radii(state.log_ratio);
         let (radius, _) = radii.primary;
         let positions = radii.map(|(radius, _)| self.way * (radius - self.at_one));

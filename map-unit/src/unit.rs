@@ -237,11 +237,15 @@ impl Unit for MapUnit {
         settings: &Settings,
         remarks: &mut Vec<Message>,
     ) -> Result<(), String> {
-        let before = (self.state, self.time, self.inputs);
-        self.law.parameters.friction.pulley = settings.parameters.friction.pulley;
-        if let Err(why) = self.advance_to(to, inputs) {
-            (self.state, self.time, self.inputs) = before;
-            return Err(why);
+        let before = self.clone();
+        let wanted = &settings.parameters.friction;
+        let tuned = self.law.parameters.set_friction(wanted.pulley, wanted.ring);
+        let advanced = tuned
+            .map_err(|error| error.to_string())
+            .and_then(|_| self.advance_to(to, inputs));
+        if advanced.is_err() {
+            *self = before;
+            return advanced;
         }
         self.observe(remarks);
         Ok(())
@@ -277,6 +281,7 @@ impl Unit for MapUnit {
         }
         archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);
+        self.law.parameters.serialize(archive);
         if archive.is_reading() {
             self.readings = self.read(&self.present());
         }

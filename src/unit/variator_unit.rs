@@ -41,11 +41,7 @@ impl<R: Rings> UnitWith<R> {
     /// Applies the tunable parameters.
     fn tune(&mut self, settings: &Settings<R>) -> Result<(), ParameterError> {
         let wanted = &settings.parameters.friction;
-        let present = &self.variator.parameters().friction;
-        if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
-            self.variator.set_friction(wanted.pulley, wanted.ring)?;
-        }
-        Ok(())
+        self.variator.set_friction(wanted.pulley, wanted.ring)
     }
 
     /// Moves the variator's messages to the remarks.
@@ -104,8 +100,13 @@ impl<R: Rings> Unit for UnitWith<R> {
         settings: &Settings<R>,
         remarks: &mut Vec<Message>,
     ) -> Result<(), String> {
-        let given = step.set_inputs(&settings.inputs);
-        let advanced = given.and_then(|()| step.advance(&mut self.variator));
+        let advanced = match step.set_inputs(&settings.inputs) {
+            Ok(()) => step.advance(&mut self.variator),
+            refused => {
+                step.discard(&mut self.variator);
+                refused
+            }
+        };
         self.move_messages(remarks);
         advanced.map_err(|error| error.to_string())
     }

@@ -1,10 +1,12 @@
-//! The symmetry of the assembled system.
+//! The symmetry of the assembled system, and what the error norm refuses.
 
+use super::diagnostics::energy_balance::{EnergyBalance, Problem};
 use super::settings::parameters::Parameters;
 use super::steady::start::{Start, kinematic_state};
 use super::system::VariatorSystem;
-use crate::pulley::PerPulley;
-use crate::solver::System;
+use crate::pulley::{PerPulley, Pulley};
+use crate::solver::sdirk::Evolution;
+use crate::solver::{State, System};
 use pushbelt_support::noise;
 
 /// Space mirrored in the plane of the drive: sheaves on the other sides, w the other way, everything else alike.
@@ -50,4 +52,35 @@ fn mirrored_in_the_plane() {
     }
     assert!(places.iter().any(|&i| rows[i].abs() > 1.0));
     assert_eq!(rows, reflected);
+}
+
+/// An error that is not a number is beyond the tolerance, of whichever unknown it is.
+#[test]
+fn no_step_with_an_error_that_is_no_number_is_accepted() {
+    let parameters = Parameters::default();
+    let mut system = VariatorSystem::new(&parameters);
+    let mut energy = EnergyBalance::default();
+    let layout = system.belt.layout.clone();
+    let of_cells = system.belt.cells_at[3].each();
+    let pulleys = Pulley::BOTH.map(|j| {
+        [
+            layout.shaft_speed(j),
+            layout.sheave(j),
+            layout.tilt(j, 0),
+            layout.tilt(j, 1),
+        ]
+    });
+    let problem = Problem {
+        system: &mut system,
+        energy: &mut energy,
+    };
+    let state = State::zero(layout.len());
+    let norm = |y: &[f64], q: &[f64]| problem.error_norm(state.view(), y, q);
+    let zeros = vec![0.0; layout.len()];
+    assert_eq!(norm(&zeros, &zeros), 0.0);
+    for i in pulleys.into_iter().flatten().chain(of_cells).chain([layout.theta()]) {
+        let mut wrong = zeros.clone();
+        wrong[i] = f64::NAN;
+        assert!(norm(&wrong, &wrong) > 1.0, "unknown {i}");
+    }
 }

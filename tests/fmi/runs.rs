@@ -209,11 +209,11 @@ fn set_largest_loads(importer: &Importer) {
     }
 }
 
-/// A step from `from`, s, is discarded, and all is as before: outputs, counts of work and flags.
+/// A step from `from`, s, is discarded, and all is as before: outputs and their derivatives, counts of work and flags.
 fn discard(importer: &Importer, from: f64, size: f64) {
     let everything = || {
         let counts = ["solver.steps", "solver.jacobians", "solver.residuals"].map(|name| importer.count(name));
-        (importer.readings(), counts, importer.is("macroSlip"))
+        (importer.readings(), importer.slopes(), counts, importer.is("macroSlip"))
     };
     let before = everything();
     let ended = importer.step(from, size);

@@ -1,10 +1,11 @@
 //! Runs of the variator: the manoeuvre's energy balance, tolerance, communication steps, repeatability, counts.
 
-use pushbelt::variator::run::CommunicationStep;
-use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, Parameters, RingModel};
+use pushbelt::fmi::table::{Access, Kind};
+use pushbelt::variator::run::{CommunicationStep, InitialisationError, StepError, TimeError, Variator};
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Outputs, Parameters, RingModel, parameters};
 use pushbelt_support::checks::{assert_close, assert_pinned};
 use pushbelt_support::manoeuvre::Manoeuvre;
-use pushbelt_support::run::{Run, assert_continues_alike, started};
+use pushbelt_support::run::{Run, assert_continues_alike, restored, started};
 use pushbelt_support::tracking::Tracked;
 use pushbelt_support::variators::{MODELS, chain, coarse, inputs, rigid, variator};
 
@@ -220,6 +221,99 @@ fn a_second_start_equals_the_first() {
     assert_eq!(fresh.outputs(), used.outputs());
 }
 
+/// Times that are none, or go back, are refused in one error, in both modes, and the run goes on.
+#[test]
+fn a_time_that_is_none_is_refused() {
+    let given = Inputs::default();
+    for mode in [Mode::Accurate, Mode::RealTime] {
+        let mut parameters = coarse(RingModel::Ale0);
+        parameters.solver.mode = mode;
+        let mut variator = Variator::new(parameters).expect("valid parameters");
+        for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1e7, 1e300] {
+            let refused = variator.initialise(time, &given).expect_err("no start");
+            assert!(
+                matches!(refused, InitialisationError::Time(TimeError { from: None, .. })),
+                "{refused}"
+            );
+        }
+        variator.initialise(0.0, &given).expect("a start");
+        variator.advance(2e-3, &given).expect("a step");
+        let before = (variator.state().clone(), variator.outputs().clone());
+        for to in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 1e-3, -1.0] {
+            let refused = variator.advance(to, &given).expect_err("no step");
+            let StepError::Time(TimeError { to: named, from }) = refused else {
+                panic!("{refused}")
+            };
+            assert!(named.to_bits() == to.to_bits() && from == Some(2e-3), "{refused}");
+            assert!(refused.to_string().contains("is out of range: 0.002 to "), "{refused}");
+        }
+        let mut rates = Inputs::ZERO;
+        rates.secondary.torque = f64::NAN;
+        let refused = variator
+            .advance_along(3e-3, &given, &rates)
+            .expect_err("no rate")
+            .to_string();
+        assert_eq!(
+            refused,
+            "the derivative of secondary.torque = NaN is out of range: a finite number"
+        );
+        assert_eq!((variator.state().clone(), variator.outputs().clone()), before);
+        // Rounding is no step back.
+        variator.advance(2e-3 - 1e-15, &given).expect("no step");
+        variator.advance(3e-3, &given).expect("a step");
+        let mut step = CommunicationStep::begin(&mut variator, 4e-3, &given, &Inputs::ZERO).expect("a step");
+        step.end_at(&variator, f64::NAN);
+        assert!(!step.is_over(), "its end stays");
+    }
+}
+
+/// A parameter that may be 0 and is next to it acts as at 0, or is refused.
+#[test]
+fn a_parameter_next_to_zero_is_as_at_zero_or_refused() {
+    let given = inputs((20.0, 13e3), (-20.0, 10e3));
+    let ratio = |set: fn(&mut Parameters, f64), value: f64| {
+        let mut parameters = coarse(RingModel::Ale0);
+        set(&mut parameters, value);
+        let mut variator = Variator::new(parameters).map_err(|error| error.to_string())?;
+        variator.initialise(0.0, &given).map_err(|_| "no start".to_owned())?;
+        for k in 1..=3 {
+            let more = inputs((20.0 + f64::from(k), 13e3), (-20.0, 10e3));
+            variator
+                .advance(1e-3 * f64::from(k), &more)
+                .map_err(|error| error.to_string())?;
+        }
+        let o = variator.outputs();
+        Ok::<_, String>([o.ratio_geometric, o.thrust_ratio, o.losses.total() / 100.0])
+    };
+    for one in parameters::<Parameters, ()>() {
+        let (name, range) = (one.name(), one.range());
+        let (
+            Kind::Real {
+                access: Access::Setting { set, .. },
+                ..
+            },
+            Some([least, most]),
+        ) = (one.variable().kind, range)
+        else {
+            continue;
+        };
+        if !(least..=most).contains(&0.0) {
+            continue;
+        }
+        let at_zero = ratio(set, 0.0);
+        let value = 1e-170;
+        match (ratio(set, value), &at_zero) {
+            (Ok(found), Ok(expected)) => {
+                for (found, expected) in found.iter().zip(expected) {
+                    assert_close(*found, *expected, 1e-3, &format!("{name} = {value:e}"));
+                }
+            }
+            (Err(why), Ok(_)) => assert!(why.contains("or 0: "), "{name} = {value:e}: {why}"),
+            (found, expected) => assert_eq!(found.is_ok(), expected.is_ok(), "{name} = {value:e}: {found:?}"),
+        }
+    }
+}
+
 /// A drift of friction, as with temperature, requires few new Jacobians.
 #[test]
 fn drifting_friction_takes_few_jacobians() {
@@ -239,6 +333,69 @@ fn drifting_friction_takes_few_jacobians() {
     }
 }
 
+/// All that can be read of a run but its work: time derivatives too.
+fn readings(run: &mut Variator) -> impl PartialEq + std::fmt::Debug + use<> {
+    let (outputs, profile) = (run.outputs().clone(), run.profile().clone());
+    (
+        run.time(),
+        run.parameters().clone(),
+        run.start_work(),
+        outputs,
+        profile,
+        run.moment(),
+    )
+}
+
+/// A copy, stored bytes and a step that is abandoned give back every reading, in each mode, after each tunable parameter: before a step
+/// under it and after some.
+#[test]
+fn each_way_back_gives_every_reading() {
+    for (mut parameters, mode) in [
+        (coarse(RingModel::Ale), Mode::Accurate),
+        (coarse(RingModel::Ale0), Mode::RealTime),
+        (chain(RingModel::Ale0), Mode::Accurate),
+    ] {
+        (parameters.solver.mode, parameters.solver.effort) = (mode, 1);
+        let given = |k: u32| {
+            inputs(
+                (60.0 - 30.0 * f64::from(k % 5), 13e3 + 200.0 * f64::from(k)),
+                (-49.0, 10e3),
+            )
+        };
+        let mut run = started(parameters.clone(), &given(0));
+        let mut behind = 0;
+        let mut check = |run: &mut Variator, k: u32, friction: [f64; 2]| {
+            let (expected, work) = (readings(run), run.counts());
+            for other in [&mut run.clone(), &mut restored(run, parameters.clone())] {
+                assert_eq!(
+                    (readings(other), other.counts()),
+                    (readings(run), work),
+                    "{mode:?}, {friction:?}"
+                );
+            }
+            let mut step =
+                CommunicationStep::begin(run, run.time() + 1e-3, &given(k + 3), &Inputs::ZERO).expect("in range");
+            run.set_friction(0.08, 0.02).expect("in range");
+            step.advance(run).expect("a part of a step");
+            let work = run.counts();
+            step.discard(run);
+            assert_eq!(readings(run), expected, "{mode:?}, {friction:?}");
+            assert_eq!(run.counts(), work, "work that was in vain counts");
+            behind += i32::from(run.outputs().work.behind > 0.0);
+        };
+        for (n, friction) in [[0.09, 0.05], [0.06, 0.05], [0.06, 0.03]].into_iter().enumerate() {
+            run.set_friction(friction[0], friction[1]).expect("in range");
+            let first = 3 * n as u32;
+            check(&mut run, first, friction);
+            for k in first + 1..=first + 3 {
+                run.advance(1e-3 * f64::from(k), &given(k)).expect("a step");
+            }
+            check(&mut run, first + 3, friction);
+        }
+        assert_eq!(behind > 0, mode == Mode::RealTime, "an open step is stored too");
+    }
+}
+
 /// What follows a step that can't be done does not depend on it, nor on friction that was to change in it.
 #[test]
 fn a_failed_step_leaves_nothing() {
@@ -251,6 +408,7 @@ fn a_failed_step_leaves_nothing() {
         let [one, other] = [(1e4, 0.09), (5e3, 0.05)].map(|(torque, friction)| {
             let large = inputs((torque, 5e5), (-torque, 5e5));
             let mut run = start.clone();
+            let before = readings(&mut run);
             let mut step = CommunicationStep::begin(&mut run, 3e-3, &large, &Inputs::ZERO).expect("in range");
             run.set_friction(friction, 0.01).expect("in range");
             let mut outcome = Ok(());
@@ -258,6 +416,7 @@ fn a_failed_step_leaves_nothing() {
                 outcome = step.advance(&mut run);
             }
             assert!(outcome.is_err(), "{tolerance}");
+            assert_eq!(readings(&mut run), before, "{tolerance}");
             run.advance(1e-3 + span, &gentle).expect("a step");
             run
         });

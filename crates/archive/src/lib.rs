@@ -123,7 +123,13 @@ impl<'a> Archive<'a> {
             && bytes.try_reserve(8 * values.len()).is_ok()
         {
             // All at once: a run stores its state at each communication step.
-            bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+            let end = bytes.len();
+            bytes.resize(end + 8 * values.len(), 0);
+            let (words, _) = bytes[end..].as_chunks_mut::<8>();
+            words
+                .iter_mut()
+                .zip(values)
+                .for_each(|(word, value)| *word = value.to_le_bytes());
             return;
         }
         for value in values {

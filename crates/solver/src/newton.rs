@@ -64,6 +64,15 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
+impl Counts {
+    /// Writes to an archive, or reads from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        for count in self.each_mut() {
+            archive.counter(count);
+        }
+    }
+}
+
 /// Work from an earlier count on.
 impl std::ops::Sub for Counts {
     type Output = Self;
@@ -229,7 +238,7 @@ impl Newton {
         }
     }
 
-    /// Writes to an archive, or reads from it, all that later solutions depend on: the factored Jacobian is used again.
+    /// Writes to an archive, or reads from it, all that later solutions depend on but the factored Jacobian.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         archive.flag(&mut self.known);
         if self.known {
@@ -237,15 +246,22 @@ impl Newton {
             archive.reals(&mut self.residual);
         }
         archive.bounded_real(&mut self.bound.left, f64::MIN, f64::INFINITY);
+        self.counts.serialize(archive);
+    }
+
+    /// Writes the factored Jacobian to an archive, or reads it: it is used again.
+    pub fn serialize_factors(&mut self, archive: &mut Archive<'_>) {
         archive.bounded_real(&mut self.alpha, 0.0, f64::INFINITY);
         if self.alpha.is_finite() {
             self.factors.serialize(archive);
         }
         archive.real(&mut self.rate);
         archive.counter(&mut self.excess);
-        for count in self.counts.each_mut() {
-            archive.counter(count);
-        }
+    }
+
+    /// Forgets the factored Jacobian.
+    pub fn forget_factors(&mut self) {
+        (self.alpha, self.rate, self.excess) = (f64::INFINITY, 1.0, 0);
     }
 
     /// Forgets how well the factored Jacobian contracted: the law has changed since.

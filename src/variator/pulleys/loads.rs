@@ -103,11 +103,16 @@ impl InputProfile {
         }
     }
 
-    /// Inputs that go from `present` to those given over `time`, s: no longer than the step from `from` to `to`; a negative time
-    /// stands for all of it. An input that has a rate starts at its value and changes at that rate.
+    /// Inputs that go from `present` to those given over `time`, s: no longer than the step from `from` to `to`, and none below a nanosecond; a
+    /// negative time stands for all of it. An input that has a rate starts at its value and changes at that rate.
     pub fn new(time: f64, [from, to]: [f64; 2], present: &Inputs, given: &Inputs, rates: &Inputs) -> Self {
         let whole = time < 0.0 || time >= to - from - SHORTEST_STEP;
-        let end = if whole { to } else { from + time };
+        let jumps = time < SHORTEST_STEP;
+        let end = if whole {
+            to
+        } else {
+            from + if jumps { 0.0 } else { time }
+        };
         let mut ramp = *rates;
         if end > from {
             let changes = given.values().into_iter().zip(present.values());
@@ -231,6 +236,7 @@ pub(crate) mod tests {
     fn an_input_jumps_ramps_or_follows_its_rate() {
         for (time, rate, kink, torques) in [
             (0.0, 0.0, 2.0, [30.0, 30.0, 30.0]),
+            (1e-100, 0.0, 2.0, [30.0, 30.0, 30.0]),
             (4e-3, 0.0, 2.004, [10.0, 30.0, 30.0]),
             (-1.0, 0.0, 2.01, [10.0, 20.0, 30.0]),
             (0.5, 0.0, 2.01, [10.0, 20.0, 30.0]),

@@ -62,6 +62,7 @@ impl Simulation {
         archive.real(&mut self.time);
         self.energy.serialize(archive);
         archive.bounded_real(&mut self.soft_since, f64::NEG_INFINITY, f64::MAX);
+        self.start_work.serialize(archive);
     }
 
     /// Equations and state for the solver.

@@ -55,9 +55,13 @@ impl Demand {
         self.carried_per_force * self.force
     }
 
-    /// Torque of the belt on the primary pulley as a share of what the force carries.
+    /// Torque of the belt on the primary pulley as a share of what the force carries; 0 without torque, whatever that is.
     pub fn share_of_capacity(&self) -> f64 {
-        self.torque / self.carried()
+        if self.torque == 0.0 {
+            0.0
+        } else {
+            self.torque / self.carried()
+        }
     }
 
     /// Whether a share of the torque is beyond what the force can carry.

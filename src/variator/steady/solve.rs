@@ -66,10 +66,14 @@ impl SteadySolver<'_> {
             let warm = SteadyTask { warm: true, ..*task };
             let mut outcome = self.solve_coarsely(&coarse, state, task);
             outcome = outcome.and_then(|_| self.solve(state, &warm));
-            let factor = FIRM / task.clamping[task.reaction.other()];
-            if outcome.is_err() && factor > 1.0 {
+            let pushes = PerPulley::from_fn(|pulley| self.system.pulleys().push(pulley, kinematic.view()));
+            let closing = |pulley: Pulley| task.clamping[pulley] + pushes[pulley];
+            let present = closing(task.reaction.other());
+            if outcome.is_err() && 0.0 < present && present < FIRM {
+                let factor = FIRM / present;
                 state.copy_from(&kinematic);
-                let clamping = task.clamping.map(|force| factor * force);
+                // Springs and rotating oil stay as they are.
+                let clamping = PerPulley::from_fn(|pulley| factor * closing(pulley) - pushes[pulley]);
                 outcome = self.solve(state, &SteadyTask { clamping, ..*task });
                 outcome = outcome.and_then(|_| self.solve(state, &warm));
             }

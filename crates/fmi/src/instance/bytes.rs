@@ -11,7 +11,7 @@
 use crate::hash;
 
 /// Version of the layout, to be raised with every change of what is stored.
-const VERSION: u32 = 17;
+const VERSION: u32 = 18;
 
 /// The first bytes of a stored state of the FMU with this GUID.
 fn head(guid: &str) -> Vec<u8> {
@@ -40,9 +40,21 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Result<Vec<u8>, String> {
 /// # Errors
 /// They are of another FMU or layout, incomplete or damaged.
 pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
-    let Some(rest) = bytes.strip_prefix(&*head(guid)) else {
+    let (head, is_not) = (head(guid), "these bytes are not a stored state");
+    let Some(rest) = bytes.strip_prefix(&head[..8]) else {
+        return Err(format!("{is_not} of an FMU"));
+    };
+    if let Some((version, _)) = rest.split_first_chunk()
+        && *version != VERSION.to_le_bytes()
+    {
         return Err(format!(
-            "these bytes are not a stored state of the FMU with the GUID {guid} in version {VERSION} of the layout"
+            "the stored state has version {} of the layout, and this FMU reads version {VERSION}: store it again with this FMU",
+            u32::from_le_bytes(*version)
+        ));
+    }
+    let Some(rest) = rest.strip_prefix(&head[8..]) else {
+        return Err(format!(
+            "{is_not} of the FMU with the GUID {guid}, but of another version of it, or of another FMU"
         ));
     };
     match rest.split_last_chunk() {

@@ -219,10 +219,12 @@ fn a_run_goes_on_from_an_archive() {
     let mut integrator = run(&mut system, &mut state, 10.0, 1e-4).unwrap();
     let mut archive = Archive::writer();
     integrator.serialize(&mut archive);
+    integrator.newton.serialize_factors(&mut archive);
     let bytes = archive.into_bytes();
     let mut other = Sdirk::new(&system, 1.0, f64::INFINITY);
     let mut archive = Archive::reader(&bytes);
     other.serialize(&mut archive);
+    other.newton.serialize_factors(&mut archive);
     archive.finish().unwrap();
     let mut ends = [state.clone(), state];
     for (integrator, state) in [&mut integrator, &mut other].into_iter().zip(&mut ends) {
@@ -262,4 +264,20 @@ fn a_stalled_step_is_reported() {
     assert_eq!(system.accepted.last().unwrap()[0], stalled.time);
     let y = system.values(&state.y)[0];
     assert!(y > 1e3 && y.is_finite(), "{y}");
+}
+
+/// A time that is not a number, or an infinite one, ends in the same error.
+#[test]
+fn a_step_to_no_time_stalls() {
+    for (from, to) in [
+        (f64::NAN, 1.0),
+        (0.0, f64::NAN),
+        (0.0, f64::INFINITY),
+        (f64::NEG_INFINITY, 1.0),
+    ] {
+        let mut system = Test::new(Decay {});
+        let (mut state, mut time) = (system.state(0.0), from);
+        let stalled = fixed(&system, 0.1).step(&mut system, &mut state, &mut time, to);
+        assert!(stalled.is_err(), "from {from} to {to}");
+    }
 }
