@@ -310,6 +310,13 @@ mod tests {
         let mut longer = Archive::reader(&bytes);
         longer.reals(&mut [0.0; 4]);
         assert_eq!(longer.finish(), Err(Mismatch));
+        let mut three = Archive::writer();
+        three.reals(&mut [0.0; 3]);
+        let three = three.into_bytes();
+        let mut shorter = Archive::reader(&three);
+        shorter.reals(&mut [0.0; 2]);
+        shorter.real(&mut 0.0);
+        assert_eq!(shorter.finish(), Err(Mismatch));
         let mut out_of_range = thing();
         out_of_range.order[0] = 3;
         let mut archive = Archive::writer();

@@ -110,6 +110,11 @@ impl Drop for Resources {
 fn start_values_come_from_the_resources() {
     let resources = Resources::new("good");
     resources.write("\u{feff}# a comment\r\nstart = 3\nfloors=4\nlocked = true\n\n  shape = 2\ngain = 2e0");
+    // In FMI 2.0 the URI may also mean a folder with percent signs, which comes second.
+    let second = resources.0.to_str().expect("UTF-8").replace(' ', "%20");
+    let second = Resources(second.into());
+    fs::create_dir_all(&second.0).expect("a folder");
+    second.write("start = 9");
     for version in BOTH {
         let importer = resources.instance(version, &token::<Tank>(version));
         assert!(!importer.c.is_null(), "{}", importer.last());

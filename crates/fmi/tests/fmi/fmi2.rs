@@ -141,6 +141,12 @@ fn a_query_returns_a_text_or_null() {
     let refused = unsafe { query::<Tank>(importer.c, "ask", null_mut(), |_, _, _| Result::Ok(String::new())) };
     importer.assert(refused, Error, "the pointer for the result is null");
     assert_eq!(importer.exit(), Ok, "and the run goes on");
+    assert_eq!(importer.reset(), Ok);
+    assert_eq!(importer.set(GAIN, 0.5), Ok);
+    assert_eq!(importer.enter(experiment(0.0, None)), Ok);
+    for why in ["gain = 0.5 does not fit", "there is no model after a failed start"] {
+        importer.assert(ask(Result::Ok("none"), false), (Error, None), why);
+    }
 }
 
 /// Model exchange: the functions are there, each logs its refusal, and the run goes on.

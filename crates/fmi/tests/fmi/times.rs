@@ -45,6 +45,8 @@ fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
     // A thousandth of the step is taken for rounding, at any time.
     let late = running_from(Three, TODAY);
     assert_eq!([2e-4, 5e-5].map(|by| late.step(TODAY + by, 0.1).status), [Error, Ok]);
+    // As is the rounding of the number, which is more than that of a short step.
+    assert_eq!(running_from(Three, TODAY).step(TODAY + 2.4e-7, 1e-4).status, Ok);
     // Steps of less than the rounding add up.
     let importer = running_from(Two, TODAY);
     let mut time = TODAY;
