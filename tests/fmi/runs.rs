@@ -136,7 +136,12 @@ fn instances_on_threads_give_the_sequential_bits() {
     let run = |version: Version, number: u32| {
         let speed = [reference("primary.speed")];
         let watched: &[u32] = if number.is_multiple_of(2) { &speed } else { &[] };
-        let importer = Importer::coarse(version, (false, true, watched));
+        let handles = Handles {
+            early_return: true,
+            required: watched,
+            ..Handles::default()
+        };
+        let importer = Importer::coarse(version, handles);
         importer.start();
         let alias = importer.alias();
         importer.answer(move |_| {
