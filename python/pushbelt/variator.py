@@ -29,7 +29,7 @@ from .recording import InputTable, Ramp, Record, Recording
 if TYPE_CHECKING:
     import pandas
 
-LOADS = frozenset({"primary.torque", "secondary.clampingForce"})
+LOADS = frozenset({"primary.torque", "secondary.clampingForce", "secondary.pressure"})
 """Inputs whose units are checked by the capacity of the belt."""
 
 Parameters = str | os.PathLike[str] | Values
@@ -131,10 +131,11 @@ class Variator(WorkingPoints):
         return self._outputs()
 
     def _wrong_unit(self) -> str | None:
-        """Description of a wrong unit of the present secondary force or primary torque; None if they may be right."""
-        torque, force = (self._values[name] for name in ("primary.torque", "secondary.clampingForce"))
+        """Description of a wrong unit of the present secondary force, pressure or primary torque; None if they may be right."""
+        torque, force, pressure = (self._values[name] for name in ("primary.torque", "secondary.clampingForce", "secondary.pressure"))
+        oil = f", secondary.pressure = {pressure:g} Pa" if pressure else ""
         why = capacity.slip_of_units(self._values) if abs(torque) > capacity.DRAG else None
-        return f"primary.torque = {torque:g} N.m, secondary.clampingForce = {force:g} N: {why}" if why else None
+        return f"primary.torque = {torque:g} N.m, secondary.clampingForce = {force:g} N{oil}: {why}" if why else None
 
     def step(self, duration: float, inputs: Values | None = None) -> dict[str, float]:
         """Advances by a duration, s, with the given inputs and the last values of the others; returns the outputs at its end.
