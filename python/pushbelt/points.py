@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import checks, kind, lists, number, optional, refused
 from .errors import ArgumentError, PushbeltError, package, warn
 from .fmu import capacity
 from .fmu import unit as calls
@@ -32,6 +32,24 @@ SAME_FORCE = 0.01  # Relative change below which a clamping force with `SAFETY` 
 OVERRUN = 0.5  # Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger
 FREQUENCY = 50.0  # Default frequency, Hz, below which modes are states of a linear model
 STATES = ("modal", "physical")  # Kinds of states of a linear model
+
+
+def _states(name: str, value: Any) -> str:
+    if not isinstance(value, str) or value not in STATES:
+        raise ArgumentError(refused(name, value, f"one of {', '.join(STATES)}"))
+    return value
+
+
+# Rules of arguments
+POINT = {
+    "ratio": number(above=0.0), "torque": number("N·m"), "speed": number("rad/s"), "force": optional(number("N", least=0.0)),
+    "safety": optional(number(above=0.0)), "thrust_ratio": optional(number(above=0.0)),
+}  # fmt: skip
+GRID = {
+    "ratios": lambda _, values: number(above=0.0, several=True)("ratio", values),
+    "torques": lambda _, values: number("N·m", several=True)("torque", values),
+}  # fmt: skip
+LINEAR = {"frequency": number("Hz", above=0.0), "states": _states, "sample_time": optional(number("s", above=0.0))}
 
 Objects = NDArray[np.object_]
 Values = Mapping[str, Any]  # Values by names of FMU variables, in SI units; enumerations by name or number
@@ -66,23 +84,10 @@ class Point(NamedTuple):
         return f"at ratio {self.ratio:g}, {self.torque:g} N·m, {self.speed:g} rad/s and {self.force:g} N"
 
 
-def _check(point: Point) -> None:
-    """Raises StartValueError if a number of a point is not usable."""
-    for name, value in point._asdict().items():
-        if not math.isfinite(value):
-            raise StartValueError(f"{name} = {value!r} is not finite")
-    if point.ratio <= 0.0:
-        raise StartValueError(f"ratio = {point.ratio:g} is out of range: r_S/r_P is above 0")
-    if point.force < 0.0:
-        raise StartValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
-
-
 def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
     def modal(below: float) -> LinearModel:
         return LinearModel.of(solver.linearise(below))
 
-    if states not in STATES:
-        raise ArgumentError(f"states = {states!r} is not one of {', '.join(STATES)}")
     model = with_enough_modes(modal, frequency) if states == "physical" else modal(frequency)
     return model if sample_time is None else model.sampled(sample_time)
 
@@ -99,6 +104,7 @@ class WorkingPoints:
         self.variables = Variables(self._declared.values())
         """The FMU's variables by name: each has `unit`, `description`, `start`, `min`, `max`, `causality` and more."""
 
+    @checks(**POINT, **LINEAR)
     def linearize(
         self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float | None = SAFETY,
         frequency: float = FREQUENCY, states: str = "modal", sample_time: float | None = None,
@@ -118,6 +124,10 @@ class WorkingPoints:
         """
         return self._linearize(self._values, ratio, torque, speed, force, safety, (frequency, states, sample_time))
 
+    @checks(
+        **POINT | {"speed": number("rad/s", several=True), "force": optional(number("N", least=0.0, several=True))},
+        **LINEAR, **GRID, changes=optional(lists), after_each=kind("a function", Callable),
+    )  # fmt: skip
     def linear_grid(
         self, ratios: Iterable[float], torques: Iterable[float], *, speed: float | Iterable[float] = SPEED,
         force: float | Iterable[float] | None = None, safety: float | None = SAFETY,
@@ -173,6 +183,7 @@ class WorkingPoints:
         """Frees the instance."""
         self._states.close()
 
+    @checks(**POINT)
     def steady(
         self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float | None = SAFETY
     ) -> SteadyState:
@@ -199,7 +210,6 @@ class WorkingPoints:
         held = driven_by_torque(values, point.ratio, point.speed, point.torque, point.force)
         if self._last_steady is not None and self._last_steady[0] == held:
             return self._last_steady[1]
-        _check(point)
         if why := capacity.shortfall(values, point.ratio, point.torque, point.force):
             raise SteadyStateError(f"no steady state {point}: {why}")
         if why := capacity.excessive_speed(values, point.ratio, point.speed):
@@ -218,6 +228,7 @@ class WorkingPoints:
         except (StartValueError, UnitError) as error:
             raise SteadyStateError(f"no steady state {point}: {error}") from error
 
+    @checks(**POINT | {"safety": number(above=0.0)})
     def least_force(
         self, ratio: float, torque: float, safety: float = SAFETY, *, speed: float = SPEED, thrust_ratio: float | None = None
     ) -> float:
@@ -232,9 +243,6 @@ class WorkingPoints:
         self, values: Values, ratio: float, torque: float, speed: float, safety: float, thrust_ratio: float | None = None
     ) -> float:
         """F min(1, κ(F)) carries the torque with the safety factor: fixed-point iteration, as κ varies little with F."""
-        _check(Point(ratio, torque, speed, 0.0))
-        if not (math.isfinite(safety) and safety > 0.0):
-            raise ArgumentError(f"safety = {safety!r} is not a number above 0")
         needed = clamping_force(torque, pitch_radius(values, ratio), values["friction.pulley"], values["geometry.wedgeAngle"], safety)
         if why := capacity.excessive_force(torque, needed):
             raise SteadyStateError(f"no clamping force at ratio {ratio:g}: {why}")
@@ -258,6 +266,7 @@ class WorkingPoints:
             force = better
         return force
 
+    @checks(**POINT | {"force": number("N", least=0.0), "thrust_ratio": number(above=0.0)})
     def torque_capacity(self, ratio: float, force: float, thrust_ratio: float = 1.0) -> float:
         """Primary torque at which the belt slips through at a ratio, under a whole secondary clamping force (N); N·m.
 
@@ -265,6 +274,7 @@ class WorkingPoints:
         """
         return torque_capacity(self._values, ratio, min(1.0, thrust_ratio) * force)
 
+    @checks(**POINT, **GRID)
     def thrust_map(
         self, ratios: Iterable[float], torques: Iterable[float], *, speed: float = SPEED, force: float | None = None,
         safety: float | None = SAFETY,
@@ -276,7 +286,9 @@ class WorkingPoints:
         points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
         """
         dataset = package("xarray", "thrust_map needs xarray", "maps").Dataset
-        axes = {"ratio": np.array(list(ratios), dtype=float), "torque": np.array(list(torques), dtype=float)}
+        axes = {"ratio": np.atleast_1d(ratios), "torque": np.atleast_1d(torques)}
+        if empty := [name for name, values in axes.items() if not len(values)]:
+            raise ArgumentError(f"the map has no {empty[0]}")
         names = [*calls.output_names(self._declared.values()), "clampingForce"]
 
         def row(ratio: float, torque: float) -> list[float]:

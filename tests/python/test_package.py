@@ -31,7 +31,7 @@ BROAD = {f"pushbelt.{name}" for name in ("fmu.unit", "fmu.untrusted", "study.tas
 def part_of(module: str) -> str:
     """Part of a module: a package, or `shared` for the modules at the top."""
     names = module.split(".")
-    if module == "pushbelt.whole_file":
+    if module in ("pushbelt.arguments", "pushbelt.whole_file"):
         return "errors"
     return names[1] if len(names) > 1 and names[1] in MAY_IMPORT else "shared"
 

@@ -25,7 +25,7 @@ BELT_SPEED = 60.0  # Speed of the belt above which a warning is issued, m/s. Bel
 
 def shortfall(parameters: Mapping[str, Any], ratio: float, torque: float, force: float) -> str | None:
     """Reason why the whole secondary force (N) cannot carry a primary torque (N·m), with a hint if a unit seems wrong; None if it may."""
-    carried = torque_capacity(parameters, ratio, force)
+    carried = torque_capacity(parameters, ratio, max(force, 0.0))
     if abs(torque) <= BEYOND * carried + DRAG:
         return None
     return f"the capacity is {carried:.3g} N·m at {force:g} N" + wrong_unit(torque, force, carried)

@@ -34,15 +34,11 @@ def sheave_position(values: Mapping[str, float], pulley: str, ratio: float) -> f
     return 2.0 * math.tan(needed(values, "geometry.wedgeAngle")) * (radius - pitch_radius(values, 1.0))
 
 
-def _place(values: Mapping[str, Any], pulley: str, ratio: float, speed: float) -> tuple[float, float]:
-    """Position, m, which only a stiff spring needs, and angular speed, rad/s."""
-    stiff = values.get(f"{pulley}.cylinder.springStiffness", 0.0) != 0.0
-    return sheave_position(values, pulley, ratio) if stiff else 0.0, speed if pulley == "primary" else speed / ratio
-
-
 def closing_at(values: Mapping[str, Any], pulley: str, ratio: float, speed: float) -> float:
     """The whole force in a steady state at a geometric ratio and a primary speed, rad/s; N."""
-    return float(closing_force(values, pulley, *_place(values, pulley, ratio, speed)))
+    # Only a stiff spring needs the geometry.
+    place = sheave_position(values, pulley, ratio) if values.get(f"{pulley}.cylinder.springStiffness") else 0.0
+    return float(closing_force(values, pulley, place, speed if pulley == "primary" else speed / ratio))
 
 
 def closed_by(values: Mapping[str, Any], pulley: str, force: float, ratio: float, speed: float) -> dict[str, float]:

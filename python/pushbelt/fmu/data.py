@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..arguments import checks, file
 from ..errors import MissingFileError, UnknownNameError, similar
 from .enumerations import BeltKind
 from .files import RESOURCES
@@ -26,7 +28,8 @@ SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
 BELT_LENGTH = 0.2, 5.0  # Range of the length of a belt, m
 
 
-def parameter_set(name: str) -> dict[str, float]:
+@checks(name=file)
+def parameter_set(name: str | os.PathLike[str]) -> dict[str, float]:
     """Start values of the FMU for a variator, `bench168`, `belt155` or `chain168`, or from a file of that form, `….json`.
 
     A file that adds to another set names it as `base`: one of these names, or a file ….json beside it. The pins of a pull chain are at its
@@ -35,7 +38,7 @@ def parameter_set(name: str) -> dict[str, float]:
     Raises MissingFileError for another name, and InputFileError if the file is not a parameter set, or if it is from an earlier version in which
     parameters have another meaning.
     """
-    path = first = _set_file(name)
+    path = first = _set_file(os.fspath(name))
     values, base = read_parameters(path)
     seen = {path.resolve()}
     while base is not None:
