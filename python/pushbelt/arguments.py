@@ -80,6 +80,10 @@ def kind(wanted: str, *types: type) -> Rule:
     return rule
 
 
+def whole(name: str, value: Any) -> int:
+    return int(number(least=1.0)(name, kind("a whole number", int, np.integer)(name, value)))
+
+
 def optional(rule: Rule) -> Rule:
     return lambda name, value: None if value is None else rule(name, value)
 

@@ -55,7 +55,7 @@ def imported(module: str) -> set[str]:
 
 LOW = {"errors", "fmu", "shared", "linear", "study", "maps", "tables"}
 MAY_IMPORT = {
-    "errors": set(), "fmu": {"errors", "fmu"}, "shared": LOW, "linear": LOW, "study": LOW,
+    "errors": {"errors"}, "fmu": {"errors", "fmu"}, "shared": LOW, "linear": LOW, "study": LOW,
     "maps": {*LOW, "cli"}, "tables": LOW, "cli": {*LOW, "cli"},
 } | {program: {*LOW, "cli", program} for program in PROGRAMS}  # fmt: skip
 

@@ -58,7 +58,7 @@ class LinearModel:
     def __post_init__(self) -> None:
         n, k, m = (len(names(name, getattr(self, name))) for name in ("states", "inputs", "outputs"))
         for name, shape in {"a": (n, n), "b": (n, k), "c": (m, n), "d": (m, k), "poles": (n,)}.items():
-            if (value := getattr(self, name)) is None or getattr(value, "shape", None) != shape:
+            if getattr(value := getattr(self, name), "shape", None) != shape:
                 raise ArgumentError(refused(name, value, f"an array of the shape {shape}"))
 
     def __repr__(self) -> str:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 
-from ..arguments import checks, kind, mapping, number, optional, refused
+from ..arguments import checks, kind, mapping, number, optional, refused, whole
 from ..errors import ArgumentError, warn
 from ..fmu import capacity
 from ..fmu.data import pitch_radius
@@ -37,16 +37,9 @@ FADING_SPEED = 2.0  # Speed below which drag and belt loss fade, rad/s
 LEAST_FORCE = 1.0  # Smallest force in a quotient of forces, N
 RATIOS, UTILISATIONS, SHARES, EXCESSES, RADII = 65, 97, 257, 97, 257
 """Numbers of places of the refined tables and of the table of radii, as in the FMU."""
-MOST = 10_000_000  # Largest number of variators
 ITERATIONS = 3  # Newton iterations for the sliding speed
 
 Tables = Mapping[str, Any]
-
-
-def _count(name: str, value: Any) -> int:
-    if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or not 1 <= value <= MOST:
-        raise ArgumentError(refused(name, value, f"a whole number from 1 to {MOST}"))
-    return int(value)
 
 
 class _Place(NamedTuple):
@@ -78,7 +71,7 @@ class _Table:
 class MapVariator:
     """`count` variators from maps. States are arrays of this length."""
 
-    @checks(maps=optional(kind("maps or a path", Maps, str, os.PathLike)), parameters=optional(mapping), count=_count)
+    @checks(maps=optional(kind("maps or a path", Maps, str, os.PathLike)), parameters=optional(mapping), count=whole)
     def __init__(
         self, maps: Maps | str | os.PathLike[str] | None = None, parameters: Mapping[str, float] | None = None, *, count: int = 1
     ) -> None:
@@ -90,8 +83,8 @@ class MapVariator:
         self.parameters: dict[str, float] = dict(document["startValues"])
         if unknown := [name for name in parameters or () if name not in self.parameters]:
             raise ArgumentError(f"{unknown[0]} is no parameter of a variator from maps: {', '.join(sorted(self.parameters))}")
-        rules = {True: number(above=0.0), False: number(least=0.0)}
-        self.parameters |= {name: rules[name.endswith("inertia")](name, value) for name, value in (parameters or {}).items()}
+        for name, value in (parameters or {}).items():
+            self.parameters[name] = (number(above=0.0) if name.endswith("inertia") else number(least=0.0))(name, value)
         self._geometry = document["parameters"]
         self._build(document)
         self.count = count
