@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -89,7 +90,8 @@ def test_sweeps_know_the_whole_force(fmu: Path) -> None:
     parameters = variator(CYLINDERS, "ALE0", {**MESH, "friction.pulley": 0.085})
     for given in (Varied("primary.torque", (50.0,)), Varied("utilisation", (0.4,))):
         study = Study(fmu, parameters, crossed([*columns, given]))
-        rows = table(study, {number: row for number, row in enumerate(_solved(study))}).to_pylist()
+        with Archive.unpack(fmu) as archive, closing(Solver(archive, study.parameters, solve)) as solver:
+            rows = table(study, dict(solver.solve(list(enumerate(study.tasks()))))).to_pylist()
         for row in rows:
             assert row["reason"] is None and row["utilisation"] == pytest.approx(row["torqueUtilisation"], rel=0.02)
             values = study.start_values(study.grid.points()[row["point"]])
@@ -101,14 +103,6 @@ def test_sweeps_know_the_whole_force(fmu: Path) -> None:
     in_bar = crossed([Varied(name, (value,)) for name, value in loads.items()])
     with pytest.raises(ArgumentError, match=r"Is the pressure in bar\? 12 bar are 1.2e\+06 Pa"):
         list(warnings_of(Study(fmu, parameters, in_bar)))
-
-
-def _solved(study: Study) -> Iterator[dict]:
-    with Archive.unpack(study.fmu) as archive:
-        solver = Solver(archive, study.parameters, solve)
-        for _, row in solver.solve(list(enumerate(study.tasks()))):
-            yield row
-        solver.close()
 
 
 def test_a_set_adds_to_its_base(tmp_path: Path) -> None:
