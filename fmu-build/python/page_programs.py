@@ -1,5 +1,5 @@
-"""Programs of the book's pages with what they print, and the example table of `calibrate --template`. `PUSHBELT_FMU=target/PushbeltVariator.fmu PYTHONPATH=python target/venv/bin/python
-fmu-build/python/page_programs.py` renews them."""
+"""Programs of the book's pages with what they print, and the example table of `calibrate --template`. `PYTHONPATH=python
+PUSHBELT_FMU=target/PushbeltVariator.fmu target/venv/bin/python fmu-build/python/page_programs.py` renews them."""
 
 from __future__ import annotations
 

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 from ._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from .errors import ArgumentError as ArgumentError, FileError as FileError, MissingFileError as MissingFileError, MissingPackageError as MissingPackageError
-    from .errors import PushbeltError as PushbeltError, UnknownNameError as UnknownNameError, VariatorWarning as VariatorWarning
+    from .errors import ArgumentError as ArgumentError, FileError as FileError, MissingFileError as MissingFileError
+    from .errors import MissingPackageError as MissingPackageError, PushbeltError as PushbeltError
+    from .errors import UnknownNameError as UnknownNameError, VariatorWarning as VariatorWarning
     from .fmu.data import parameter_set as parameter_set
     from .fmu.files import default_fmu as default_fmu
     from .fmu.start_values import StartValueError as StartValueError

@@ -20,7 +20,10 @@ import pushbelt
 from pushbelt.variator import Variator
 
 NAN = float("nan")
-BAD = (object(), None, "x", "0.01", b"x", NAN, -1.0, 10**400, True, [object()], [NAN], ["x", 1], [[1.0, 2.0], [3.0]], {1: 2}, {"x": 1.0}, np.ones((2, 3)), [])
+BAD = (
+    object(), None, "x", "0.01", b"x", NAN, -1.0, 10**400, True, [], [object()], [NAN], ["x", 1], [[1.0, 2.0], [3.0]], {1: 2}, {"x": 1.0},
+    np.ones((2, 3)),
+)  # fmt: skip
 """Wrong types, values and shapes. Some are right in some places."""
 
 
@@ -30,16 +33,15 @@ def things(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict
     folder = tmp_path_factory.mktemp("files")
     with Variator("bench168", COARSE, fmu=fmu) as run:
         run.start()
-        table, snapshot, maps = pd.DataFrame({"primary.torque": [1.0, 2.0]}, index=[0.0, 0.01]), run.snapshot(), pushbelt.MapVariator(count=2)
-        data = default_maps()
+        table, snapshot = pd.DataFrame({"primary.torque": [1.0, 2.0]}, index=[0.0, 0.01]), run.snapshot()
+        maps, data = pushbelt.MapVariator(count=2), default_maps()
         grid = run.linear_grid([0.9, 1.2], [30.0], force=9e3, states="physical", sample_time=0.01)
         model = grid[0, 0]
         grid.save(folder / "models.npz")
         data.write(folder / "maps.json")
         point = {"ratio": 1.0, "torque": 20.0, "speed": 200.0, "force": 9e3, "safety": 1.3}
         linear = {"frequency": 50.0, "states": "modal", "sample_time": 0.01}
-        over = {**point, "ratios": [1.0], "torques": [20.0]}
-        over = {name: value for name, value in over.items() if name not in ("ratio", "torque")}
+        over = {"ratios": [1.0], "torques": [20.0], "speed": 200.0, "force": 9e3, "safety": 1.3}
         fields = {name: getattr(model, name) for name in ("a", "b", "c", "d", "inputs", "outputs", "states", "poles")}
         rest = {name: value for name, value in vars(model).items() if name not in fields}
         yield {
@@ -54,14 +56,16 @@ def things(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict
             "Variator.least_force": (run.least_force, {"ratio": 1.0, "torque": 20.0, "safety": 1.3, "speed": 200.0, "thrust_ratio": 1.2}),
             "Variator.torque_capacity": (run.torque_capacity, {"ratio": 1.0, "force": 9e3, "thrust_ratio": 1.0}),
             "Variator.thrust_map": (run.thrust_map, over), "Snapshot": (pushbelt.Snapshot, {"time": 0.0, "values": {}, "state": b""}),
-            "Record": (pushbelt.Record, {"columns": ["slip"], "interval": 0.1}), "parameter_set": (pushbelt.parameter_set, {"name": "bench168"}),
+            "Record": (pushbelt.Record, {"columns": ["slip"], "interval": 0.1}),
+            "parameter_set": (pushbelt.parameter_set, {"name": "bench168"}),
             "load_linear": (pushbelt.load_linear, {"path": folder / "models.npz"}),
             "LinearGrid": (pushbelt.LinearGrid, {"axes": grid.axes, "models": grid.models, "reasons": grid.reasons}),
             "LinearGrid.point": (grid.point, {"place": (0, 0)}), "LinearGrid.__getitem__": (grid.__getitem__, {"place": (0, 0)}),
             "LinearGrid.save": (grid.save, {"path": folder / "more.json"}), "LinearGrid.interpolate": (grid.interpolate, {"ratio": 1.0}),
             "LinearModel": (lambda **own: pushbelt.LinearModel(**own, **rest), fields),
             "LinearModel.of": (model.of, {"document": model.document()}), "LinearModel.sampled": (model.sampled, {"sample_time": 0.1}),
-            "LinearModel.select": (model.select, {"outputs": ["slip"], "inputs": model.inputs}), "LinearModel.step": (model.step, {"times": [0.0, 1.0]}),
+            "LinearModel.select": (model.select, {"outputs": ["slip"], "inputs": model.inputs}),
+            "LinearModel.step": (model.step, {"times": [0.0, 1.0]}),
             "LinearModel.response": (model.response, {"frequencies": [1.0]}),
             "LinearModel.gain": (model.gain, {"output": "slip", "load": "primary.torque", "frequency": 1.0}),
             "MapVariator": (pushbelt.MapVariator, {"maps": None, "parameters": {}, "count": 1}),
@@ -109,8 +113,9 @@ MAPPED = {"duration": 0.01, "primary_torque": 60.0, "secondary_torque": -49.0, "
     ("what", "given", "why"),
     [
         ("Variator.step", {"duration": "0.01"}, "duration = '0.01' is not a number above 0 s"),
-        ("Variator.steady", {"ratio": [1.0]}, r"ratio = \[1.0\] is not a number above 0$"), ("Variator.steady", {"torque": NAN}, "torque = nan N·m"),
-        ("Variator.simulate", {"outputs": "slip"}, "outputs = 'slip' is not a list of names"), ("Variator", {"fmu": "none.fmu"}, "none.fmu: No such"),
+        ("Variator.steady", {"ratio": [1.0]}, r"ratio = \[1.0\] is not a number above 0$"),
+        ("Variator.steady", {"torque": NAN}, "torque = nan N·m is not a finite number"), ("Variator", {"fmu": "none.fmu"}, "none.fmu: No such"),
+        ("Variator.simulate", {"outputs": "slip"}, "outputs = 'slip' is not a list of names"),
         ("Variator.linear_grid", {"changes": {"ring.model": "ALE"}}, r"changes\['ring.model'\] = 'ALE' is not a list"),
         ("Variator.set", {"values": {"ring.model": NAN}}, "nan"), ("LinearModel.step", {"times": [0.0, -1.0]}, "times = -1 s"),
         *(("MapVariator.step", {**MAPPED, name: value}, f"{name} = .*{why}") for name, value, why in (

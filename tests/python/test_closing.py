@@ -65,6 +65,13 @@ def test_points_are_held_by_pressure(pressed: Variator, ratio: float) -> None:
         assert closing_force({**cylinders, **model.held}, pulley, *place) == pytest.approx(force, rel=1e-3)
 
 
+def test_without_a_safety_factor_the_force_is_that_of_the_inputs(fmu: Path) -> None:
+    with Variator(CYLINDERS, {**COARSE, **OIL}, fmu=fmu) as run:
+        state, values = run.steady(0.7, 40.0, safety=None), {**parameter_set(CYLINDERS), **OIL}
+        assert state["secondary.clampingForceTotal"] == pytest.approx(closing_at(values, "secondary", 0.7, 200.0), rel=1e-3)
+        assert run.linearize(0.7, 40.0, safety=None).held["secondary.pressure"] == pytest.approx(1e6, rel=1e-3)
+
+
 def test_a_force_that_no_pressure_gives_is_refused(pressed: Variator) -> None:
     with pytest.raises(pushbelt.SteadyStateError, match=r"secondary.pressure = .* out of its range"):
         pressed.steady(1.0, 20.0, force=250e3)

@@ -87,7 +87,7 @@ def test_programs_of_a_page_print_what_stands_there(page: str, fmu: Path, monkey
     assert page_programs.renewed(page) == (page_programs.DOCS / page).read_text(encoding="utf-8")
 
 
-def test_the_template_of_a_calibration_fits_and_is_that_of_the_present_model(fmu: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_template_of_a_calibration_fits_the_present_model(fmu: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     written = page_programs.EXAMPLES.read_text(encoding="utf-8")
     assert written == page_programs.example_table(), "write the table anew by fmu-build/python/page_programs.py"

@@ -105,7 +105,8 @@ class Maps:
     def __post_init__(self) -> None:
         for name in ("axes", "tables", "parameters", "source", "reasons"):
             mapping(name, getattr(self, name))
-        if not all(isinstance(array, np.ndarray) and array.dtype.kind in "iuf" for part in (self.axes, self.tables) for array in part.values()):
+        arrays = (*self.axes.values(), *self.tables.values())
+        if not all(isinstance(array, np.ndarray) and array.dtype.kind in "iuf" for array in arrays):
             raise MapError("axes and tables are arrays of numbers")
         if missing := AXES.keys() - self.axes.keys() | TABLES.keys() - self.tables.keys():
             raise MapError(f"the maps lack {', '.join(sorted(missing))}")

@@ -182,7 +182,7 @@ class MapVariator:
         self.log_ratio = new_log
 
     def _check_units(self, torques: Array, forces: Array, carried: Array) -> None:
-        """Refuses or warns of the unit of a load by the first variator whose belt does not carry its torque, if another one explains it."""
+        """Refuses a load in a wrong unit, or warns of it later, by the first variator whose belt does not carry its torque."""
         for k in np.flatnonzero(np.abs(torques) > capacity.BEYOND * carried + capacity.DRAG)[:1]:
             if hint := capacity.wrong_unit(torques[k], forces[k], carried[k]):
                 why = f"secondary_force = {forces[k]:g} N carries {carried[k]:.3g} N·m, primary_torque is {torques[k]:g} N·m{hint}"

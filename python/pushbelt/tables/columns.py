@@ -127,4 +127,5 @@ def template() -> str:
         for name, one in columns.items():
             lines.append(f"#     {name} [{' or '.join(units.usual(one.dimension))}]: {one.meaning}".replace(",", ";"))
     lines.append("#     ….sd: standard deviation of a measured column; the default is an assumed one")
-    return "\n".join([*lines, "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED), EXAMPLES.read_text(encoding="utf-8")])
+    lines.append("# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED))
+    return "\n".join([*lines, EXAMPLES.read_text(encoding="utf-8")])
