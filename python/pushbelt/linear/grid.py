@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arguments import checks, mapping, number, path as a_path, refused
-from ..errors import ArgumentError, package
+from ..errors import ArgumentError
 from ..fmu.results import dataframe
 from ..fmu.untrusted import InputFileError
 from .model import Array, LinearModel
@@ -285,7 +285,8 @@ def _npz(grid: LinearGrid, path: Path) -> None:
 
 def _mat(grid: LinearGrid, path: Path) -> None:
     """A cell array of structures, one per point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
-    savemat = package("scipy.io", ".mat needs scipy", "control").savemat
+    from scipy.io import savemat
+
     first = next(model for _, model in grid.points())
     cells = np.empty(grid.shape if grid.shape else (1,), dtype=object)
     for k, (place, model) in enumerate(np.ndenumerate(grid.models)):

@@ -19,7 +19,7 @@ from zlib import error
 import numpy as np
 
 from ..arguments import checks, mapping, path as a_path, text
-from ..errors import PushbeltError, package
+from ..errors import PushbeltError
 from ..fmu.geometry import Array
 from ..fmu.results import item
 
@@ -202,7 +202,7 @@ class Maps:
 
     def _write_netcdf(self, path: Path) -> None:
         """NetCDF-3 with coordinate variables, units and CF flag attributes."""
-        netcdf_file = package("scipy.io", ".nc needs scipy", "sweep").netcdf_file
+        from scipy.io import netcdf_file
 
         with netcdf_file(path, "w", version=2) as file:
             file.title = b"Steady states and shift rates of a pushbelt variator"
@@ -238,7 +238,7 @@ def _read_npz(path: Path) -> Any:
 
 
 def _read_netcdf(path: Path) -> Any:
-    netcdf_file = package("scipy.io", ".nc needs scipy", "sweep").netcdf_file
+    from scipy.io import netcdf_file
 
     with netcdf_file(path, "r", mmap=False) as file:
         arrays = {name: np.array(variable[:], dtype=float) for name, variable in file.variables.items()}
