@@ -29,13 +29,17 @@ class MissingFileError(PushbeltError, FileNotFoundError):
     """A file is missing. The message names what would provide it."""
 
 
+class FileError(PushbeltError, OSError):
+    """A file cannot be read or written."""
+
+
 class MissingPackageError(PushbeltError, ModuleNotFoundError):
     """A package is not installed. The message names the extra that installs it."""
 
 
 def similar(name: str, names: Iterable[str]) -> str:
     """Similar names, as the end of a message; empty if there is none."""
-    near = difflib.get_close_matches(name, list(names), n=3)
+    near = difflib.get_close_matches(str(name), list(names), n=3)
     return f"; similar names: {', '.join(near)}" if near else ""
 
 

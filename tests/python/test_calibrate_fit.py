@@ -281,6 +281,25 @@ def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, c
     reports.look_at(out / "report.html")
 
 
+def test_pressures_are_forces_of_the_set_and_a_hold_out_has_the_variator_beside_it(fmu: Path, solved: Solved, tmp_path: Path) -> None:
+    """In the fit, in the check and in the hold-out, where --set holds for both sets."""
+    area, table, out = 0.008, tmp_path / "rig.csv", tmp_path / "out"
+    lines = [[i, SPEED, t, 1e-5 * FORCE / area, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
+    header = HEADER.replace("secondary.clampingForce [N]", "secondary.pressure [bar]")
+    table.write_text("\n".join([header, *(";".join(map(repr, line)) for line in lines)]) + "\n", encoding="utf-8")
+    words = [str(table), "--fmu", str(fmu), "--output", str(out), "--workers", "1", "--set", f"secondary.cylinder.area={area}"]
+    assert __main__.main([*words, "--check", "--set", "ring.model=ALE"]) == 0
+    assert __main__.main([*words, "--fit", "friction.pulley"]) == 0
+    fits(out)
+    fitted = str(out / "parameters.json")
+    assert __main__.main([*words, "--hold-out", fitted, "--variator", "belt155", "--set", f"friction.pulley={FRICTION}"]) == 0
+    scores = {(s["quantity"], s["variator"]): s["relative"] for s in json.loads((out / "holdout.json").read_text(encoding="utf-8"))}
+    assert {variator for _, variator in scores} == {fitted, "belt155"}
+    assert scores["slip", fitted] < 0.05 and scores["slip", "belt155"] > 0.3
+    assert __main__.main([*words, "--hold-out", "bench168", "--set", f"friction.pulley={FRICTION}"]) == 0
+    assert all(s["relative"] < 0.05 for s in json.loads((out / "holdout.json").read_text(encoding="utf-8")))
+
+
 def test_the_first_line_names_a_wrong_value(calibrated, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A thrust ratio of ten times its value, a torque that no force carries, and a repeated row. The fit of the other rows is that without
     them."""

@@ -124,7 +124,7 @@ def test_only_points_without_a_linear_model_are_left_out(monkeypatch: pytest.Mon
         time = 19.5 * stability.STEP
         expected = 10.0 * model.select(["ratio.geometric"], ["primary.clampingForce"]).step(time).item()
         assert belt.read()[0] == pytest.approx(expected, rel=2e-3)
-        with pytest.raises(pushbelt.StartValueError):
+        with pytest.raises(pushbelt.ArgumentError):
             stability.linear_model(variator, -1.0, 40.0, 200.0)
 
 

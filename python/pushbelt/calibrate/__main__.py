@@ -14,7 +14,7 @@ With the columns series and time, each series is a recorded shift and its rows a
 A solution takes 0.02 to 0.03 s of processor time per point, and a fit takes about four solutions per point and parameter, and ten more.
 A speed ratio takes three solutions, a shift rate about five times as long.
 
---hold-out SET scores a parameter set on the table instead, beside the default one.
+--hold-out SET scores a parameter set on the table instead, beside that of --variator; --set holds for both.
 
 Exit codes: 0 the model fits, 1 an error, 3 it does not fit (all files are written).
 """
@@ -41,6 +41,7 @@ from pushbelt.tables.sheet import TableError
 
 from . import parameters
 
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 MISFIT = 3  # Exit code of a bad fit
 ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
 SOLUTION = 0.03  # Processor time of a steady state, s
@@ -64,8 +65,7 @@ def limits(text: str) -> tuple[str, tuple[float, float]]:
 
 def prior(text: str) -> tuple[str, tuple[float, float]]:
     """`name=value±sd`."""
-    number = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
-    found = re.fullmatch(rf"(.+?)=\s*({number})\s*(?:±|\+/?-)\s*({number})\s*", text)
+    found = re.fullmatch(rf"(.+?)=\s*({NUMBER})\s*(?:±|\+/?-)\s*({NUMBER})\s*", text)
     if not found or not 0.0 < float(found[3]) < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not of the form name=value±sd, with sd above 0")
     return found[1], (float(found[2]), float(found[3]))
@@ -101,10 +101,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if options.table is None:
         raise TableError("a table is required; --template FILE writes an example")
+    changes = _changes(options)
+    sets = dict.fromkeys(name for name in (options.hold_out, options.variator) if name is not None)
+    given = {name: {**parameter_set(name), **changes} for name in sets}
     try:
-        # Cylinders are those of the parameter set and of --set; the geometry is that of `bench168`, the FMU's default, unless they have one.
-        fixed = {**parameter_set("bench168"), **parameter_set(options.variator), **dict(options.set)}
-        rig = points.read(options.table, reading(options), fixed)
+        # Cylinders are those of the first set and of --set; the geometry is that of `bench168`, the FMU's default, unless they have one.
+        rig = points.read(options.table, reading(options), {**parameter_set("bench168"), **next(iter(given.values()))})
     except TableError as error:
         # The faults come after what is understood in spite of them.
         if options.check and error.found is not None:
@@ -115,7 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from . import report
 
         begin = time.perf_counter()
-        for score in report.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers, options.output):
+        for score in report.hold_out(options.fmu or default_fmu(), rig, given, options.workers, options.output):
             print(f"  {report.sentence_of_score(score)}")
         print(f"{(options.output / 'report.html').resolve()} ({time.perf_counter() - begin:.0f} s)")
         return 0
@@ -124,6 +126,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _run(options, rig)
     print("\n".join([*points.understood(rig), f"  {_effort(rig, len(options.fit), options.workers)}"]))
     return 0
+
+
+def _changes(options: argparse.Namespace) -> dict[str, float]:
+    """Values of --set. Without an FMU, which --check does not need, only numbers."""
+    changes = dict(options.set)
+    if options.fmu is not None:
+        return checked({variable.name: variable for variable in described(options.fmu).modelVariables}, changes, {"parameter"})
+    return {name: float(value) for name, value in changes.items() if re.fullmatch(NUMBER, value)}
 
 
 def once(rig: points.Rig) -> points.Rig:

@@ -135,14 +135,15 @@ def _read(variable: Any, value: Any) -> tuple[float | None, str]:
     if variable.type == "Enumeration":
         items = {item.name: int(item.value) for item in variable.declaredType.items}
         numbers = {str(number): number for number in items.values()}
-        text = str(int(value)) if isinstance(value, (int, float)) and value == int(value) else str(value).removesuffix(".0")
+        whole = isinstance(value, (int, float)) and math.isfinite(value) and value == int(value)
+        text = str(int(value)) if whole else str(value).removesuffix(".0")
         known = ", ".join(f"{name} ({number})" for name, number in items.items())
         return items.get(text, numbers.get(text)), f"= {value!r} is not one of {known}"
     if variable.type not in ("Real", "Integer"):
         return None, f"has the type {variable.type} and cannot be set"
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
         return None, f"= {value!r} is not a finite number"

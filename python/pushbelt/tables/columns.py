@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..fmu.files import RESOURCES
 from . import units
 from .names import Column
 
@@ -26,15 +27,8 @@ PARTS = {
 """Columns from which a quantity is computed, as products and quotients."""
 RECORDED = ("primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce", SAMPLED)
 """Columns of recorded shifts besides series and time."""
-EXAMPLES = """\
-name,ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN],primary.clampingForce [kN],\
-thrustRatio,slip [%],slip.sd [%],efficiency [%],ds/dt [1/s]
-underdrive,2,1500,60,14,,1.05,0.8,,,
-ratio 1,1,2000,50,9,,1.37,,0.05,97.1,
-overdrive,0.5,2000,40,10,18.1,,0.3,0.05,,
-upshift,1,1000,0,20,26,,,,,0.45
-"""
-"""Header and lines of the template."""
+EXAMPLES = RESOURCES / "calibrate-template.csv"
+"""Header and lines of the template, with results of the model. Written by `fmu-build/python/page_programs.py`."""
 
 
 @dataclass(frozen=True)
@@ -133,4 +127,5 @@ def template() -> str:
         for name, one in columns.items():
             lines.append(f"#     {name} [{' or '.join(units.usual(one.dimension))}]: {one.meaning}".replace(",", ";"))
     lines.append("#     ….sd: standard deviation of a measured column; the default is an assumed one")
-    return "\n".join([*lines, "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED), EXAMPLES])
+    lines.append("# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED))
+    return "\n".join([*lines, EXAMPLES.read_text(encoding="utf-8")])
