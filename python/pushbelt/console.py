@@ -37,12 +37,12 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
             try:
                 provenance.begin(name, arguments)
                 return run(lambda: main(arguments))
+            except (OSError, PushbeltError) as error:
+                said = f"{name}: {error}"
             except ModuleNotFoundError as error:
                 if not error.name or error.name.startswith("pushbelt"):
                     raise
                 said = f"{name} needs the package {error.name}: pip install 'pushbelt[{extra}]'"
-            except (OSError, PushbeltError) as error:
-                said = f"{name}: {error}"
             print(f"pushbelt {said}", file=sys.stderr)
             return 1
 

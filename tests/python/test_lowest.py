@@ -44,7 +44,7 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("lowest")
     subprocess.run([lowest_python(), "-m", "venv", "--without-pip", folder], check=True)
     found = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
-    packages = [*(f"{name}=={version}" for name, version in BOUND.items()), "lxml", "platformdirs", "xarray", "vermin==1.9.2"]
+    packages = [*(f"{name}=={version}" for name, version in BOUND.items()), "vermin==1.9.2"]
     subprocess.run([*pip_of(found), "install", "--no-compile", "--only-binary=:all:", *packages], check=True, capture_output=True, text=True)
     return found
 

@@ -167,7 +167,7 @@ print(pathlib.Path(pushbelt.__file__).parts[-2], variator.outputs["ratio.geometr
 def test_what_is_missing_is_named_and_then_the_demo_runs(place: Path, wheel: Path) -> None:
     done = run(place, "pushbelt", "demo", "--short")
     assert done.returncode == 1
-    assert re.fullmatch(r"pushbelt demo needs the package \w+: pip install 'pushbelt\[reports\]'\n", done.stderr)
+    assert re.fullmatch(r"pushbelt demo: the package \w+ is missing: pip install 'pushbelt\[reports\]'\n", done.stderr)
     pip(place, "install", f"{wheel}[reports]")
     for words in (["demo", "--short"], ["linearize", "initial.ratio=1,2", "ring.model=ALE0"]):
         done = run(place, "pushbelt", *words)

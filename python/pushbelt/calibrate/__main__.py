@@ -32,6 +32,7 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_reading, add_set, add_variator, count, program, reading
+from pushbelt.errors import require
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
@@ -111,7 +112,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print("\n".join(points.described(error.found)))
         raise
     if options.hold_out is not None and not options.check:
-        # Imported here, so that the help needs no packages of the extras.
+        require("tables")  # The help needs no packages of the extras.
         from . import report
 
         begin = time.perf_counter()
@@ -157,7 +158,7 @@ def sets(parameters: int) -> int:
 
 
 def _run(options: argparse.Namespace, rig: points.Rig) -> int:
-    # Imported here, so that the help needs no packages of the extras.
+    require("tables")  # The help needs no packages of the extras.
     from . import model, report
     from .fit import fit
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_ring, add_short, add_variator, program
+from pushbelt.errors import require
 
 from .cycle import CYCLES, CycleMissingError, wltc_class_3b
 
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     if options.cycle is None:
         options.cycle = default_cycle()
-    # Imported here, so that the help needs no packages of the extras.
+    require("reports")  # The help needs no packages of the extras.
     from . import report, runs
 
     given = {name: getattr(options, name) for name in ("ring", "variator", "clamping", "maps")}

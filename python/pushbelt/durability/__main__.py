@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
+from pushbelt.errors import require
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
 from pushbelt.fmu.untrusted import described
 
@@ -29,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--profile", action="store_true", help="count the cycles on profile.ringStress[…]")
     add_material(parser, "--safety")
     options = parser.parse_args(arguments)
-    # Imported here, so that the help needs no packages of the extras.
+    require("durability")  # The help needs no packages of the extras.
     from . import report
     from .damage import damage
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from pushbelt import console
 from pushbelt.cli.options import add_reading, add_short, add_study, numbers, program, reading
-from pushbelt.errors import ArgumentError
+from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.untrusted import described
 
 from .design import AXIS_OF, DesignError, Varied, crossed, listed, varied
@@ -47,6 +47,7 @@ def parser() -> argparse.ArgumentParser:
 @console.program("sweep", "sweep")
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
+    require("sweep" if options.slurm is None else "slurm")
     if options.slurm is None and options.print_job:
         raise ArgumentError("--print-job requires the options of --slurm")
     if options.slurm is not None and (options.scheduler or options.workers):
