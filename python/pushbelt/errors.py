@@ -54,7 +54,7 @@ def package(name: str, what: str, extra: str) -> Any:
 
 
 def require(extra: str) -> None:
-    """Raises MissingPackageError if a package of an extra is missing, or older than the installed pushbelt declares. A source tree declares none."""
+    """Raises MissingPackageError if a package of an extra is missing, or older than pushbelt declares. A source tree declares none."""
     try:
         declared = importlib.metadata.requires("pushbelt") or []
     except importlib.metadata.PackageNotFoundError:

@@ -65,6 +65,24 @@ def test_what_is_refused_is_named(
     assert not list(output.rglob("*.*"))
 
 
+@pytest.mark.parametrize("kind", ["map_fmu", "fmu3"])
+@pytest.mark.parametrize(
+    "words",
+    ["belt " + BASE["belt"], "calibrate t.csv", "calibrate t.csv --hold-out belt155", "demo", "durability t.csv", "linearize", "maps", "sweep"],
+)
+def test_an_fmu_that_does_not_run_the_belt_is_named(
+    words: str, kind: str, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In one line, before anything is solved."""
+    monkeypatch.chdir(tmp_path)
+    Path("t.csv").write_text(TABLE, encoding="utf-8")
+    fmu = request.getfixturevalue(kind)
+    assert cli.main([*words.split(), "--fmu", str(fmu)]) == 1
+    said = capsys.readouterr().err
+    assert ("FMI 2.0 is needed" if kind == "fmu3" else "ring.model") in said and said.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["t.csv"]
+
+
 DECLARED = ["numpy>=2", 'plotly>=6; extra == "reports"', *(f'pushbelt[reports]; extra == "{name}"' for name in ("tables", "durability", "sweep"))]
 
 

@@ -36,7 +36,7 @@ from pushbelt.errors import require
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
-from pushbelt.fmu.untrusted import described
+from pushbelt.fmu.unit import belt_described
 from pushbelt.tables import columns, points
 from pushbelt.tables.sheet import TableError
 
@@ -116,7 +116,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from . import report
 
         begin = time.perf_counter()
-        for score in report.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers, options.output):
+        belt_described(fmu := options.fmu or default_fmu())
+        for score in report.hold_out(fmu, rig, options.hold_out, options.workers, options.output):
             print(f"  {report.sentence_of_score(score)}")
         print(f"{(options.output / 'report.html').resolve()} ({time.perf_counter() - begin:.0f} s)")
         return 0
@@ -163,7 +164,7 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     from .fit import fit
 
     fmu = options.fmu or default_fmu()
-    description = described(fmu)
+    description = belt_described(fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))

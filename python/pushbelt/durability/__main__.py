@@ -14,7 +14,7 @@ from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
 from pushbelt.errors import require
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
-from pushbelt.fmu.untrusted import described
+from pushbelt.fmu.unit import belt_described
 
 from .table import DurabilityError, read
 
@@ -56,7 +56,7 @@ def _files(path: Path) -> list[Path]:
 
 def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
     """Parameters of the variator by name: start values of the FMU, and above them those of the parameter set."""
-    started = [one for one in (described(fmu).modelVariables if fmu else ()) if one.causality == "parameter" and one.start is not None]
+    started = [one for one in (belt_described(fmu).modelVariables if fmu else ()) if one.causality == "parameter" and one.start is not None]
     values = {one.name: float(one.start) for one in started if one.type in ("Real", "Integer")}
     if variator is not None or fmu is None:
         values |= parameter_set(variator or "bench168")
