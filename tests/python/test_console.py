@@ -78,7 +78,7 @@ def test_ctrl_c_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> Non
     """Two processes besides that of resources: workers that have started or are about to."""
     (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
     words = [word.replace("table.csv", str(tmp_path / "table.csv")) for word in words]
-    started = process(["-m", "pushbelt.cli", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
+    started = process(["-m", "pushbelt", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
     children = psutil.Process(started.pid).children
     code, said = interrupted(started, lambda: len(children()) >= 3)
     # `calibrate` says first how long it takes.
@@ -100,7 +100,7 @@ def test_sigterm_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> No
     """Once two workers use the FMU."""
     (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
     words = [word.replace("table.csv", str(tmp_path / "table.csv")) for word in words]
-    started = process(["-m", "pushbelt.cli", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
+    started = process(["-m", "pushbelt", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
 
     def busy() -> bool:
         maps = (Path(f"/proc/{one.pid}/maps") for one in psutil.Process(started.pid).children(recursive=True))
@@ -111,7 +111,7 @@ def test_sigterm_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> No
 
 
 def test_characters_that_the_output_lacks_are_replaced() -> None:
-    output, errors = process(["-m", "pushbelt.cli", "docs", "studies"], PYTHONIOENCODING="ascii").communicate()
+    output, errors = process(["-m", "pushbelt", "docs", "studies"], PYTHONIOENCODING="ascii").communicate()
     assert not errors
     page = (DOCS / "studies.md").read_text(encoding="utf-8").encode("ascii", "replace")
     assert b"?" in output and output.decode().split() == page.decode().split()

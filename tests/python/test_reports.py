@@ -12,6 +12,7 @@ import pypdfium2
 import pytest
 import reports
 from conftest import ROOT
+from PIL import Image
 from playwright.sync_api import Browser, Page
 from test_charts import BENCH, EVERYTHING
 
@@ -222,3 +223,13 @@ def test_the_docs_picture_is_taken_from_a_report(report: Path, chromium: Browser
     pictures.take(report, picture, None, chromium)
     docs = (ROOT / "docs" / "report.png").read_bytes()
     assert docs[16:24] == picture.read_bytes()[16:24], "the picture in the docs has another size than that of this program"
+    assert pictures.stamped(picture) == pictures.shown("report.png")
+    with Image.open(picture) as image:
+        assert image.text == {"Shows": pictures.shown("report.png")}
+
+
+@pytest.mark.parametrize("name", sorted({"report.png", *(file for files in pictures.FIGURES.values() for file in files.values())}))
+def test_a_picture_of_the_docs_shows_the_stored_results(name: str) -> None:
+    of = pictures.STORED[name][0]
+    renewed = f"`cargo fmu {of}`, then `target/venv/bin/python fmu-build/python/pictures.py {of}`"
+    assert pictures.stamped(ROOT / "docs" / name) == pictures.shown(name), f"docs/{name} is older than what it shows: renew it by {renewed}"
