@@ -37,7 +37,7 @@ def run(main: Callable[[], int | None]) -> int:
 
 
 def _terminate(*_: object) -> None:
-    raise Terminated("by SIGTERM")
+    raise Terminated("ended by the signal SIGTERM")
 
 
 def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
