@@ -5,7 +5,7 @@
   `arguments`: checks of the arguments of public functions.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results. `tables`: tables of rigs and of programs.
 - `report`: common parts of the reports.
-- `cli`: the command `pushbelt` and the options of the programs. Each program is a package, run by `python -m pushbelt.…`.
+- `cli`: the command `pushbelt`, also `python -m pushbelt`, and the options of the programs. Each program is a package, run by `python -m pushbelt.…`.
 """
 
 from __future__ import annotations

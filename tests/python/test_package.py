@@ -33,6 +33,8 @@ def part_of(module: str) -> str:
     names = module.split(".")
     if module in ("pushbelt.arguments", "pushbelt.whole_file"):
         return "errors"
+    if module == "pushbelt.__main__":
+        return "cli"
     return names[1] if len(names) > 1 and names[1] in MAY_IMPORT else "shared"
 
 

@@ -32,10 +32,11 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_reading, add_set, add_variator, count, program, reading
+from pushbelt.errors import require
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
-from pushbelt.fmu.untrusted import described
+from pushbelt.fmu.unit import belt_described
 from pushbelt.tables import columns, points
 from pushbelt.tables.sheet import TableError
 
@@ -113,11 +114,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print("\n".join(points.described(error.found)))
         raise
     if options.hold_out is not None and not options.check:
-        # Imported here, so that the help needs no packages of the extras.
+        require("tables")  # The help needs no packages of the extras.
         from . import report
 
         begin = time.perf_counter()
-        for score in report.hold_out(options.fmu or default_fmu(), rig, given, options.workers, options.output):
+        belt_described(fmu := options.fmu or default_fmu())
+        for score in report.hold_out(fmu, rig, given, options.workers, options.output):
             print(f"  {report.sentence_of_score(score)}")
         print(f"{(options.output / 'report.html').resolve()} ({time.perf_counter() - begin:.0f} s)")
         return 0
@@ -167,12 +169,12 @@ def sets(parameters: int) -> int:
 
 
 def _run(options: argparse.Namespace, rig: points.Rig) -> int:
-    # Imported here, so that the help needs no packages of the extras.
+    require("tables")  # The help needs no packages of the extras.
     from . import model, report
     from .fit import fit
 
     fmu = options.fmu or default_fmu()
-    description = described(fmu)
+    description = belt_described(fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))

@@ -40,7 +40,7 @@ def typed(name: str) -> str:
     """The words with which a user has started a program."""
     if command := os.environ.get(COMMAND):
         return shlex.join(shlex.split(command)[:3])
-    as_module = Path(sys.argv[0]).name == "__main__.py" and Path(sys.argv[0]).parent.name != "cli"
+    as_module = Path(sys.argv[0]).name == "__main__.py" and Path(sys.argv[0]).parent.name != "pushbelt"
     return f"python -m pushbelt.{name}" if as_module else f"pushbelt {name}"
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arguments import checks, mapping, number, path as a_path, refused
-from ..errors import ArgumentError
+from ..errors import ArgumentError, package
 from ..fmu.results import dataframe
 from ..fmu.untrusted import InputFileError
 from .model import Array, LinearModel
@@ -285,8 +285,7 @@ def _npz(grid: LinearGrid, path: Path) -> None:
 
 def _mat(grid: LinearGrid, path: Path) -> None:
     """A cell array of structures, one per point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
-    from scipy.io import savemat
-
+    savemat = package("scipy.io", ".mat files need scipy", "control").savemat
     first = next(model for _, model in grid.points())
     cells = np.empty(grid.shape if grid.shape else (1,), dtype=object)
     for k, (place, model) in enumerate(np.ndenumerate(grid.models)):

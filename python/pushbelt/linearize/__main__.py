@@ -21,7 +21,7 @@ import numpy as np
 
 from pushbelt import console
 from pushbelt.cli.options import add_variator, program
-from pushbelt.errors import ArgumentError
+from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.linear.grid import LinearGrid
 from pushbelt.points import FREQUENCY, STATES
@@ -137,7 +137,7 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_intermixed_args(arguments)
     wanted = asked(options.settings, options.safety)
-    # Imported here, so that the help needs no packages of the extras.
+    require("reports")  # The help needs no packages of the extras.
     from pushbelt.report.side_by_side import progress_bar
 
     given = {name: getattr(options, name) for name in ("frequency", "states", "sample_time")}

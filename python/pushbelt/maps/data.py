@@ -19,7 +19,7 @@ from zlib import error
 import numpy as np
 
 from ..arguments import checks, mapping, path as a_path, text
-from ..errors import PushbeltError
+from ..errors import PushbeltError, package
 from ..fmu.geometry import Array
 from ..fmu.results import item
 
@@ -202,9 +202,7 @@ class Maps:
 
     def _write_netcdf(self, path: Path) -> None:
         """NetCDF-3 with coordinate variables, units and CF flag attributes."""
-        from scipy.io import netcdf_file
-
-        with netcdf_file(path, "w", version=2) as file:
+        with package("scipy.io", ".nc files need scipy", "maps").netcdf_file(path, "w", version=2) as file:
             file.title = b"Steady states and shift rates of a pushbelt variator"
             file.format_version = np.int32(VERSION)
             for name, text in self._about().items():
@@ -238,9 +236,7 @@ def _read_npz(path: Path) -> Any:
 
 
 def _read_netcdf(path: Path) -> Any:
-    from scipy.io import netcdf_file
-
-    with netcdf_file(path, "r", mmap=False) as file:
+    with package("scipy.io", ".nc files need scipy", "maps").netcdf_file(path, "r", mmap=False) as file:
         arrays = {name: np.array(variable[:], dtype=float) for name, variable in file.variables.items()}
         return _of_arrays(int(file.format_version), {name: getattr(file, name).decode() for name in TEXTS}, arrays)
 

@@ -21,10 +21,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
 
 from ..arguments import checks, kind, mapping, number, optional, refused, whole
-from ..errors import ArgumentError, warn
+from ..errors import ArgumentError, package, warn
 from ..fmu import capacity
 from ..fmu.data import pitch_radius
 from ..fmu.geometry import Array
@@ -32,6 +31,7 @@ from . import unit as map_unit
 from .data import MapError, Maps, arrays_of
 from .plan import stops
 
+PchipInterpolator = package("scipy.interpolate", "MapVariator needs scipy", "maps").PchipInterpolator
 SLIP_SPEED = 0.1  # Regularisation speed of the slip, m/s
 FADING_SPEED = 2.0  # Speed below which drag and belt loss fade, rad/s
 LEAST_FORCE = 1.0  # Smallest force in a quotient of forces, N
