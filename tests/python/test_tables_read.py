@@ -219,6 +219,33 @@ def test_a_title_close_to_a_known_name_is_a_fault_and_others_are_named_and_ignor
         assert rig.sheet.ignored == [title]
 
 
+@pytest.mark.parametrize(
+    "title", ["F_P指令値 [kN]", "F_P зад [kN]", "F_P* [kN]", "F_P' [kN]", "ΔF_P [kN]", "Messung/F_P [kN]", "AVG_F_P [kN]", "F_P_act [kN]", "F_P (Mean)",
+              "F_P\\ETKC:1"]
+)  # fmt: skip
+def test_a_title_is_known_whole_and_the_option_that_takes_it_is_printed(title: str, tmp_path: Path) -> None:
+    """A command, a difference or a mean is not the measured force. The options are taken as they are."""
+
+    def options(text: str) -> dict[str, str]:
+        return dict(found.split("=") for found in re.findall('--map "([^"]*)"', text))
+
+    path = file(tmp_path, joined([[*TITLES[:6], title], ["-", *UNITS[1:]], *rows_of()], ";"))
+    rig = points.read(path)
+    assert rig.sheet.ignored == [title] and [m.quantity for m in rig.points[0].measured] == ["slip", "efficiency"]
+    is_right(points.read(path, Reading(renamed=options(" ".join(rig.sheet.remarks)))))
+    # Required ones are in the error, also below other rows.
+    path = file(tmp_path, joined([["rig 3"], [title.replace("F_P", name) for name in COLUMNS], ["-", *UNITS[1:]], *rows_of()], ";"))
+    with pytest.raises(TableError, match="no column ratio.geometric or ratio.speed, primary.speed, primary.torque, secondary.clampingForce") as error:
+        points.read(path)
+    if "[kN]" not in title:
+        is_right(points.read(path, Reading(renamed=options(str(error.value)))))
+
+
+def test_a_single_letter_in_a_foreign_title_is_no_name(tmp_path: Path) -> None:
+    rig = points.read(file(tmp_path, joined([["総変速比i", "油温T", *TITLES[1:]], *([*row[:1], str(k), *row[1:]] for k, row in enumerate(rows_of()))], ";")))
+    assert rig.sheet.ignored == ["総変速比i", "油温T"] and len(rig.points) == 12 and rig.points[0].ratio is None
+
+
 def test_names_by_the_user(tmp_path: Path) -> None:
     titles = ["k", "Drehzahl", "Moment vorn", "Kraft hinten", "Kraft vorn", "slip [%]", "efficiency [%]"]
     path = file(tmp_path, joined([titles, *([repr(-float(c)) if k == 2 else c for k, c in enumerate(row)] for row in LONG)]))

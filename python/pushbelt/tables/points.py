@@ -16,7 +16,7 @@ from .columns import (
     COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, TIME,
 )  # fmt: skip
 from .names import DEVIATION
-from .sheet import MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
+from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
 
 Array = np.ndarray
 AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
@@ -117,7 +117,8 @@ class _Points:
             missing.insert(0, "ratio.geometric or ratio.speed")
         if missing:
             unknown = f"; unknown are {', '.join(self.sheet.ignored)}" if self.sheet.ignored else ""
-            self._fault(f"there is no column {', '.join(missing)}{unknown}")
+            meant = [f"; {remark}" for remark in self.sheet.remarks if remark.startswith(MEANT)]
+            self._fault(f"there is no column {', '.join(missing)}{unknown}{''.join(meant)}")
         for name in self.sheet.taken:
             base = name.removesuffix(DEVIATION)
             if base not in self.sheet.taken and base not in self.values:

@@ -5,7 +5,7 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -31,6 +31,7 @@ SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their number
 SEVERAL = 3  # Least number of values without a unit that are read as per cent
 SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
+MEANT = "not read; if"  # Start of the remark that says how an unknown column is read
 HEADERS = 4  # Rows below the titles in which units and descriptions are searched
 
 
@@ -286,6 +287,17 @@ class _Reader:
                 self.clocks = best
             elif len(best) > 1:
                 self._fault(f"it appears {len(best)} times: {' and '.join(one.title for one in best)}", name)
+        self.sheet.remarks += self._meant()
+
+    def _meant(self) -> Iterator[str]:
+        """The options that take unknown columns whose titles contain a name, if that has no column."""
+        for place, title in enumerate(self.titles):
+            name = self.names.contained(title) if title in self.sheet.ignored else None
+            if name is not None and name not in self.sheet.taken.keys() | self.sheet.failed:
+                dimension, unit = self._column(name).dimension, self._unit(place, title, (name, None), True)
+                usual = "" if dimension in ("ratio", "text") else " or ".join(units.usual(dimension))
+                shown = f" [{unit if units.find(unit, dimension) else usual}]" if usual or unit else ""
+                yield f'{MEANT} {title} is {name}: --map "{title}={name}{shown}"'
 
     def _fault(self, text: str, column: str) -> None:
         self.sheet.faults.append(Fault(text, self.line, column))
@@ -316,7 +328,7 @@ class _Reader:
         if not candidates or (title.startswith("#") and not name):
             self._unknown(title)
             return None
-        written = self._unit(place, title, candidates[0], bool(name), bool(said))
+        written = self._unit(place, title, candidates[0], bool(name))
         for name, _ in candidates:
             column = self._column(name)
             if column.dimension == "text":
@@ -340,16 +352,18 @@ class _Reader:
     def _column(self, name: str) -> Column:
         return self.names.columns[name.removesuffix(DEVIATION)]
 
-    def _unit(self, place: int, title: str, candidate: tuple[str, str | None], wanted: bool, said: bool) -> str:
+    def _unit(self, place: int, title: str, candidate: tuple[str, str | None], wanted: bool) -> str:
         """The unit of a column as it is written; empty without one. That in the title counts before that in the row of units."""
         name, written = candidate
+        dimension = self._column(name).dimension
         if written is None and wanted:
-            written = next((unit for word, unit in splits(title) if unit is not None and key(word)), None)
-            if said and written is not None and units.find(written, "ratio") is None:
-                written = None
+            # `n_P (Mean)` and `n_P:1` have no unit of speed in the title.
+            own = [unit for word, unit in splits(title) if unit and key(word) and units.dimensions(unit)]
+            other = own[0] if own and title.rstrip()[-1] in "])}" and not self.units[place].strip() else None
+            written = next((unit for unit in own if units.find(unit, dimension)), other)
         found = written if written and written.strip() else self.units[place].strip()
         # `i (n_P/n_S)` has no unit.
-        other_name = self._column(name).dimension == "ratio" and (self.names.find(found) or self.names.inverse(found))
+        other_name = dimension == "ratio" and not units.dimensions(found) and (self.names.find(found) or self.names.inverse(found))
         return "" if other_name else found
 
     def _unknown(self, title: str) -> None:
