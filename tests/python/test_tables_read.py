@@ -462,6 +462,31 @@ def test_spreadsheets_are_read(tmp_path: Path) -> None:
         points.read(path, Reading(sheet="Data"))
 
 
+def test_of_sheets_with_the_same_columns_one_is_asked_for_and_what_is_hidden_is_named(tmp_path: Path) -> None:
+    openpyxl = pytest.importorskip("openpyxl")
+    book, path = openpyxl.Workbook(), tmp_path / "table.xlsx"
+    old, sheet = book.active, book.create_sheet("Data")
+    old.title = "Old"
+    for one, rows in ((old, ROWS[:3]), (sheet, [*ROWS, ROWS[0], ROWS[1]])):
+        one.append([title.replace(" ", "\n") for title in TITLES])
+        for row in rows:
+            one.append(row)
+    book.save(path)
+    with pytest.raises(TableError, match="Old, Data have the same columns: --sheet"):
+        points.read(path)
+    assert len(points.read(path, Reading(sheet="Old")).points) == 3
+    old.sheet_state = "hidden"
+    sheet.row_dimensions[14].hidden = True
+    for cell in sheet[15]:
+        cell.font = openpyxl.styles.Font(strike=True)
+    book.save(path)
+    rig = points.read(path)
+    is_right(rig)
+    said = "; ".join(rig.sheet.remarks)
+    assert "sheet Old is hidden and not read" in said and "hidden and not read: 14" in said and "struck out and not read: 15" in said
+    assert len(points.read(path, Reading(sheet="Old")).points) == 3
+
+
 def test_check_prints_what_is_understood_and_needs_no_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rows = [[*row[:3], "n/a" if k % 3 == 0 else row[3], *row[4:]] for k, row in enumerate(rows_of(","))]
     path = file(tmp_path, joined([[*TITLES, "T_oil [°C]"], *([*row, "80"] for row in rows)], ";"), "cp1252")

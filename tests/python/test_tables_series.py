@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import datetime
 import gzip
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -159,3 +161,27 @@ def test_mf4_with_channels_at_their_own_times(tmp_path: Path) -> None:
     packed.write_bytes(packed.read_bytes()[:-12])
     with pytest.raises(TableError, match="gzip"):
         points.read(packed)
+
+
+def test_channels_of_one_name_are_told_apart_and_one_under_two_names_is_one(tmp_path: Path) -> None:
+    """As INCA writes them: each is listed with and without its device, and the speed is recorded by two devices."""
+    asammdf = pytest.importorskip("asammdf")
+    data, path = recorded(), tmp_path / "series.mf4"
+
+    def write(*more: Any) -> Path:
+        with asammdf.MDF() as file:
+            for k, (name, unit) in enumerate(zip(COLUMNS, UNITS, strict=True)):
+                listed = {f"{name}\\ETKC:1": "display"}
+                file.append(asammdf.Signal(data[:, k + 1], data[:, 0], name=name, unit=unit, display_names=listed))
+            for signal in more:
+                file.append(signal)
+            file.save(path, overwrite=True)
+        return path
+
+    is_right(points.read(write()), 5, rel=0.01)
+    write(asammdf.Signal(1.3 * data[:, 2], data[:, 0], name="n_P", unit="rpm"))
+    with pytest.raises(TableError, match="no column primary.speed") as error:
+        points.read(path)
+    first, second = (found.split("=") for found in re.findall('--map "([^"]*)"', str(error.value)))
+    assert second[0] == "n_P group 7 channel 1"
+    is_right(points.read(path, Reading(renamed=dict([first]))), 5, rel=0.01)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
 """Signs between columns, in the order of preference."""
 LARGEST = 1_000_000_000  # Largest file, bytes
+LEAST_NAMES = 3  # Number of known columns from which a sheet is a table beside another one with the same
 HEAD = 60  # Rows in which the header is searched
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
          codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}  # fmt: skip
@@ -43,6 +44,7 @@ class Cells(NamedTuple):
     line of each row in the file, from 1."""
     source: str  # Encoding and separator, or the name of the sheet, for people
     separator: str = ""  # Sign between columns; empty in a spreadsheet
+    remarks: tuple[str, ...] = ()  # What is not read
 
     def head(self) -> list[list[str]]:
         """The first rows as text without blanks around the cells."""
@@ -182,20 +184,39 @@ def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
     if wanted is not None and wanted not in values.sheetnames:
         raise TextError(f"there is no sheet {wanted}; there are {', '.join(values.sheetnames)}")
     sheets = [sheet for sheet in values.worksheets if wanted in (None, sheet.title)]
-    found = [cells for sheet in sheets if len((cells := _sheet(sheet, formulas[sheet.title])).frame)]
-    if not found:
-        raise TextError("the table is empty")
-    return max(found, key=lambda cells: max(map(names.count, cells.head())))
+    hidden = [sheet.title for sheet in sheets if sheet.sheet_state != "visible" and wanted is None]
+    found = {sheet.title: cells for sheet in sheets if len((cells := _sheet(sheet, formulas[sheet.title])).frame)}
+    shown = [name for name in found if name not in hidden]
+    if not shown:
+        raise TextError(f"all tables are in hidden sheets: --sheet reads one of {', '.join(hidden)}" if found else "the table is empty")
+    own = {name: max((names.known(row) for row in found[name].head()), key=len) for name in shown}
+    best = max(shown, key=lambda name: max(map(names.count, found[name].head())))
+    same = [name for name in shown if len(own[name]) >= LEAST_NAMES and (own[name] <= own[best] or own[name] >= own[best])]
+    if len(same) > 1:
+        raise TextError(f"the sheets {', '.join(same)} have the same columns: --sheet says which one is read")
+    others = [f"sheet {name} is {'hidden and ' * (name in hidden)}not read" for name in found if name != best]
+    return found[best]._replace(remarks=(*others, *found[best].remarks))
 
 
 def _sheet(values: Any, formulas: Any) -> Cells:
-    """The cells of a sheet. Empty rows and remarks are left out."""
+    """The cells of a sheet. Empty rows and remarks are left out, and rows of numbers that are hidden or struck out, which are named."""
     import pandas as pd
 
     frame = pd.DataFrame([[*map(_cell, *pair)] for pair in zip(values.iter_rows(), formulas.iter_rows(), strict=False)], dtype=object)
     texts = [[str(cell) for cell in row if str(cell) != ""] for row in frame.itertuples(index=False)]
-    keep = [line for line, row in enumerate(texts) if row and (len(row) > 3 or not is_remark(row[0]))]
-    return Cells(frame.set_axis(frame.index + 1).iloc[keep], f"sheet {values.title}")
+    keep, unseen = [], {"hidden": [], "struck out": []}  # type: ignore[var-annotated]
+    for line, (row, cells) in enumerate(zip(texts, values.iter_rows(), strict=True)):
+        numbers = [cell for cell in cells if isinstance(cell.value, (int, float))]
+        if numbers and values.row_dimensions[line + 1].hidden:
+            unseen["hidden"].append(line + 1)
+        elif any(cell.font is not None and cell.font.strike for cell in numbers):
+            unseen["struck out"].append(line + 1)
+        elif row and (len(row) > 3 or not is_remark(row[0])):
+            keep.append(line)
+    remarks = [f"{len(rows)} rows are {why} and not read: {', '.join(map(str, rows[:HEAD]))}" for why, rows in unseen.items() if rows]
+    columns = [name for name, one in values.column_dimensions.items() if one.hidden]
+    remarks += [f"hidden columns are read: from {', '.join(columns)}"] * bool(columns)
+    return Cells(frame.set_axis(frame.index + 1).iloc[keep], f"sheet {values.title}", remarks=tuple(remarks))
 
 
 def _cell(cell: Any, formula: Any) -> str | float:
@@ -204,7 +225,7 @@ def _cell(cell: Any, formula: Any) -> str | float:
     if value is None:
         return "=" if formula.data_type == "f" else ""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return str(value).strip()
+        return " ".join(str(value).split())
     return Percent(100.0 * value) if "%" in str(cell.number_format) else value
 
 
@@ -232,9 +253,16 @@ def _mf4(data: bytes, names: Names) -> Cells:
         from asammdf import MDF
 
         with MDF(io.BytesIO(data)) as file:
-            for name, ((group, index), *_) in file.channels_db.items():
-                title = name.split("\\")[0]
-                if file.masters_db.get(group) == index or not names.count([title]):
+            # A channel may be listed under several names, and several channels under one.
+            listed: dict[tuple[int, int], str] = {}
+            for name, places in sorted(file.channels_db.items(), key=lambda item: len(item[0])):
+                for group, index in places:
+                    if file.masters_db.get(group) != index:
+                        listed.setdefault((group, index), name.split("\\")[0])
+            for (group, index), name in sorted(listed.items()):
+                double = list(listed.values()).count(name) > 1
+                title = f"{name} group {group} channel {index}" if double else name
+                if not names.count([title]):
                     continue
                 signal = file.get(group=group, index=index)
                 if np.issubdtype(signal.samples.dtype, np.number) and signal.samples.ndim == 1:

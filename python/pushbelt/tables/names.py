@@ -11,7 +11,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 from . import units
 
@@ -51,6 +51,7 @@ def unquoted(title: str) -> str:
     return re.sub(r"""^(["'])(.*)\1$""", r"\2", title.strip()).strip().strip('"')
 
 
+@lru_cache(10_000)
 def key(name: str) -> str:
     """A name without case, blanks, points, hyphens and brackets. Any other letter or sign distinguishes it: `F_P*` is not `F_P`."""
     name = unicodedata.normalize("NFC", unquoted(name)).strip().lower().translate(LETTERS)
@@ -122,6 +123,13 @@ class Names:
     def count(self, cells: Sequence[str]) -> float:
         """Number of different known names among titles, and of mapped ones. One without a pulley counts half, one that an unknown title
         contains a tenth."""
+        return sum(self._known_in(cells).values())
+
+    def known(self, cells: Sequence[str]) -> frozenset[str]:
+        """The known names among titles, and the mapped ones."""
+        return frozenset(name for name, share in self._known_in(cells).items() if share >= 0.5)
+
+    def _known_in(self, cells: Sequence[str]) -> dict[str, float]:
         found: dict[str, float] = {}
         for cell in cells:
             if split := self.split(cell):
@@ -130,11 +138,11 @@ class Names:
                 found[cell] = 1.0
             elif name := self.contained(cell):
                 found.setdefault(name, 0.1)
-        return sum(found.values())
+        return found
 
     def _contained(self, title: str) -> str | None:
         words = re.findall(r"[a-zäöüß0-9]+", next(splits(title))[0].lower().translate(LETTERS))
-        for length in range(len(words), 0, -1):
+        for length in (4, 3, 2, 1) if any(map(str.isalpha, title)) else ():
             for part in (" ".join(words[k : k + length]) for k in range(len(words) - length + 1)):
                 if len(key(part)) > 1 and not self.bare(part) and (found := self.find(part)):
                     return found[0]

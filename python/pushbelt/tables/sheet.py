@@ -192,7 +192,7 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
     first = max(at, -1 if found is None else found) + 1
     while first in below and _is_row_of_words(head[first]):
         first += 1
-    remarks = [f"{at} rows above the header are not read"] * (at > 0)
+    remarks = [*cells.remarks, *[f"{at} rows above the header are not read"] * (at > 0)]
     for row in (row for row in range(at + 1, first) if row != found):
         remarks.append(f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}")
     return titles, [""] * len(titles) if found is None else head[found], at, first, remarks
