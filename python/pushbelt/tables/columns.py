@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from . import units
 from .names import Column
 
-NAME, SERIES, TIME = "name", "series", "time"
+NAME, SERIES, STEP, TIME = "name", "series", "step", "time"
 SHIFTS = ("di/dt", "ds/dt")  # Quantities of a point whose ratio changes
 SAMPLED = "ratio.geometric"  # Quantity of a recorded shift
 ENDS = {"primary": "P 1 pri prim primary in an DR", "secondary": "S 2 sec sek secondary out ab DN"}
@@ -115,9 +115,14 @@ COLUMNS: Mapping[str, Column] = {
     **QUANTITIES,
     NAME: Column("text", 0.0, 0.0, "a name for the report", ("label", "point name", "operating point", "Bezeichnung")),
     SERIES: Column("text", 0.0, 0.0, "name of a recorded shift; with time, each of its rows is a sample", ("shift", "run", "series no")),
+    STEP: Column(
+        "text", 0.0, 0.0, "number of a step of the program, whose rows are averaged",
+        ("step no", "step number", "step id", "Stufe", "Laststufe", "Schritt", "Prüfschritt", "étape", "palier", "stage"),
+    ),
     TIME: Column(
         "time", -1e12, 1e19, "time of a sample: of a recorded shift, or of a time series whose plateaus are the points",
-        ("t", "timestamp", "time stamp", "Zeit", "Uhrzeit", "Zeitstempel", "date", "date time", "Datum", "Datum Uhrzeit"), "s",
+        ("t", "timestamp", "time stamp", "Zeit", "Uhrzeit", "Zeitstempel", "date", "date time", "Datum", "Datum Uhrzeit", "t_rel", "t_abs", "elapsed time",
+         "relative time", "X_Value", "master", "Sekunden", "seconds", "Messzeit", "Laufzeit", "temps"), "s",
     ),
 }  # fmt: skip
 

@@ -13,7 +13,7 @@ from ..fmu.data import pitch_radius
 from . import plausible, series, units
 from . import sheet as sheets
 from .columns import (
-    COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, TIME,
+    COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, TIME,
 )  # fmt: skip
 from .names import DEVIATION
 from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
@@ -75,7 +75,7 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
     if SERIES not in sheet.taken and not sheet.faults:
-        sheet = series.averaged(sheet, TIME, tuple(CONDITIONS), NAME)
+        sheet = series.averaged(sheet, TIME, STEP, tuple(CONDITIONS), NAME, reading.as_written)
     points = _Points(sheet, parameters)
     rig = points.rig()
     sheet.remarks += plausible.check(sheet, points.checked, lambda changed: _Points(changed, parameters).checked, reading.as_written)

@@ -5,6 +5,7 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -32,6 +33,7 @@ SEVERAL = 3  # Least number of values without a unit that are read as per cent
 SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
 MEANT = "not read; if"  # Start of the remark that says how an unknown column is read
+ASCENDING = 0.9  # Share of the values of an unknown column that are not below the one above, if it is the time
 HEADERS = 4  # Rows below the titles in which units and descriptions are searched
 
 
@@ -233,6 +235,8 @@ class _Reader:
         self._extra_cells()
         decimal = self._decimal()
         sheet.decimal = decimal or "unknown"
+        if decimal is not None and "time" in self.names.columns and "time" not in sheet.taken:
+            self._ascending(decimal)
         for name, one in sheet.taken.items():
             column = self.body[one.place]
             if one.column.dimension == "text":
@@ -247,6 +251,22 @@ class _Reader:
             some.update({name: column[keep] for name, column in some.items()})
         sheet.lines = sheet.lines[keep]
         return sheet
+
+    def _ascending(self, decimal: str) -> None:
+        """Takes the first unknown column in s or ms, or with a word for time, as the time if it ascends."""
+        for place, title in enumerate(self.titles):
+            told = re.search(r"(?:^|[\[({/,]|\bin )\s*(s|ms|us|µs|sec|sek)\s*[\])}]*$", title) or re.search("zeit|time|temps|stamp|clock", title.lower())
+            found = [unit for _, unit in splits(title) if unit] + [title.strip("[](){} "), self.units[place]]
+            unit = next((unit for unit in found if units.find(unit, "time")), "")
+            if title in self.sheet.ignored and (told or self.units[place].strip(" []()") in ("s", "ms", "us", "µs")):
+                one = Taken(title, "time", unit, place, units.find(unit or "s", "time") or Unit(1.0), self.names.columns["time"])
+                times = numerals.seconds(self.body[place], one.scale, decimal)
+                steps = np.diff(times[np.isfinite(times)])
+                if steps.size and (steps >= 0.0).mean() >= ASCENDING and (steps > 0.0).any():
+                    self.sheet.taken["time"] = one
+                    self.sheet.ignored.remove(title)
+                    self.sheet.remarks.append(f"{title} ascends and is taken as the time")
+                    return
 
     def _on_one_clock(self, decimal: str) -> None:
         """A row for each time of any channel; a channel belongs to the times to the left of it."""

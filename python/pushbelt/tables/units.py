@@ -64,8 +64,9 @@ SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
         "kgf/cm2 kgf/cm^2 at": 98066.5,
     },
     "time": {
-        "s sec secs second seconds sek hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss": 1.0,
+        "s sec secs second seconds sek sekunden secondes hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss": 1.0,
         "ms msec": 1e-3,
+        "us μs": 1e-6,
         "min": 60.0,
         "h hr hours": 3600.0,
     },
