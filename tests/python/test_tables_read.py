@@ -340,6 +340,37 @@ def test_bad_tables_give_one_clear_error(text: str | bytes, why: str, tmp_path: 
     assert str(error.value).startswith(f"{path}: ") and "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("title", ["Nr", "Messpunkt", "", "name"])
+def test_rows_of_means_and_extremes_are_no_points(title: str, tmp_path: Path) -> None:
+    words = ("Mittelwert", "Max.", "min", "Std-Abw." if title else "Mean")
+    rows = [[*(["max" if title == "name" and k == 3 else f"{k}"]), *row] for k, row in enumerate(ROWS)]
+    rig = points.read(written(tmp_path / "table.csv", [[title, *TITLES], *rows, *([word, *ROWS[0]] for word in words)], ";"))
+    is_right(rig)
+    assert [fault.line for fault in rig.sheet.left_out] == [14, 15, 16, 17]
+
+
+@pytest.mark.parametrize(("title", "good", "bad"), [("valid", "1", "0"), ("Gültig", "ja", "nein"), ("OK", "true", "false"), ("outlier", "", "x")])
+def test_rows_that_a_column_says_are_not_valid_are_left_out(title: str, good: str, bad: str, tmp_path: Path) -> None:
+    rows = [*([*row, good] for row in ROWS), [*ROWS[0], bad]]
+    rig = points.read(written(tmp_path / "table.csv", [[*TITLES, title], *rows], ";"))
+    is_right(rig)
+    assert [(fault.line, fault.column) for fault in rig.sheet.left_out] == [(14, title)] and not rig.sheet.ignored
+
+
+def test_a_unit_is_no_name_and_a_deviation_has_the_unit_of_its_column(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    for head in ([["slip [rpm]"]], [["slip"], ["rpm"]]):
+        rows = [[*top, cell] for top, cell in zip(([*MEASURED[:5]], ["-", "rpm", "Nm", "kN", "kN"]), (one[0] for one in head), strict=False)]
+        with pytest.raises(TableError, match="the unit of slip is 1 or %, not rpm"):
+            points.read(written(path, [*rows, *(row[:6] for row in LONG)], ";"))
+    for titles in (["slip.sd", *MEASURED], ["slip.sd", *MEASURED[:5], "slip", "efficiency"]):
+        rig = points.read(written(path, [titles, *(["0.08", *row] for row in LONG)], ";"))
+        assert all(point.measured[1].deviation == pytest.approx(8e-4) for point in rig.points)
+    rows = [["a", "b", "c", "d"], ["-", "rpm", "rpm", "kN"], *(row[:4] for row in LONG)]
+    with pytest.raises(TableError, match="unknown are a, b, c, d"):
+        points.read(written(path, rows, ";"))
+
+
 @pytest.mark.parametrize("absent", ["n_P", "F_S", "T_P"])
 def test_a_missing_or_empty_column_is_one_line(absent: str, tmp_path: Path) -> None:
     pairs = [pair for pair in zip(TITLES, COLUMNS, strict=True) if pair[1] != "T_S"]

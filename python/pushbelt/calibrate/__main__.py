@@ -141,14 +141,18 @@ def once(rig: points.Rig) -> points.Rig:
 
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
     """Number of points, and the time that a fit takes."""
-    costs = (
+    seconds = sets(parameters) * SOLUTION * cost(rig) / workers
+    text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
+    return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
+
+
+def cost(rig: points.Rig) -> float:
+    """Cost of a solution of all points, in steady states."""
+    return sum(
         SAMPLE_COST * len(point.measured) if point.samples
         else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
         for point in rig.points
     )  # fmt: skip
-    seconds = sets(parameters) * SOLUTION * sum(costs) / workers
-    text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
-    return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
 
 
 def sets(parameters: int) -> int:
@@ -169,7 +173,7 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     begin = time.perf_counter()
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
-    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * len(rig.points)) as opened:
+    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * cost(rig)) as opened:
         found = fit(opened, chosen)
     about = (time.perf_counter() - begin, points.notes(rig.sheet))
     results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, *about)

@@ -131,7 +131,8 @@ class Names:
 
     def _known_in(self, cells: Sequence[str]) -> dict[str, float]:
         found: dict[str, float] = {}
-        for cell in cells:
+        # `rpm` in a row of units is no name.
+        for cell in (cell for cell in cells if not units.dimensions(cell)):
             if split := self.split(cell):
                 found[split[0][0]] = 0.5 if self.bare(cell) else 1.0
             elif any(same(cell, one) for one in self.mapped if cell):

@@ -28,6 +28,13 @@ MOST = 0.5  # Share of a column's values with a fault from which the whole colum
 SHOWN = 12  # Largest number of faults that an error lists in full
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
 """Titles of columns that count the rows."""
+STATISTICS = frozenset(map(key, """mean average avg median min max minimum maximum mittel mittelwert mittelwerte durchschnitt summe sum total
+    std stddev stdev sd sigma stdabw standardabweichung streuung varianz variance range spannweite moyenne écart-type écart_type ø""".split()))
+"""Words of rows that are computed from other rows."""
+VALID = {**dict.fromkeys(map(key, "valid isvalid validity gültig gueltig ok use used include verwenden valide".split()), True),
+         **dict.fromkeys(map(key, "invalid ungültig outlier ausreißer exclude excluded reject rejected bad".split()), False)}  # fmt: skip
+"""Titles of columns that say whether a row is valid, or that it is not."""
+YES = frozenset("1 10 true wahr vrai yes y ja j oui x ok gültig valid".split())
 SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their numbers agree
 SEVERAL = 3  # Least number of values without a unit that are read as per cent
 SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
@@ -237,8 +244,12 @@ class _Reader:
         sheet.decimal = decimal or "unknown"
         if decimal is not None and "time" in self.names.columns and "time" not in sheet.taken:
             self._ascending(decimal)
-        for name, one in sheet.taken.items():
+        self._flagged()
+        # Standard deviations have the unit of their column.
+        for name, one in sorted(sheet.taken.items(), key=lambda item: item[1].deviation):
             column = self.body[one.place]
+            if one.deviation and not one.unit and (base := sheet.taken.get(name.removesuffix(DEVIATION))):
+                sheet.taken[name] = replace(one, unit=base.unit, scale=base.scale)
             if one.column.dimension == "text":
                 sheet.texts[name] = column.astype(str).to_numpy(dtype=object)
             elif decimal is not None:
@@ -267,6 +278,24 @@ class _Reader:
                     self.sheet.ignored.remove(title)
                     self.sheet.remarks.append(f"{title} ascends and is taken as the time")
                     return
+
+    def _flagged(self) -> None:
+        """Leaves out rows that are means or extremes of others by a word in an unknown column, and rows that a column says are not valid."""
+        for place, title in enumerate(self.titles):
+            label = any(one.place == place and one.name == "name" for one in self.sheet.taken.values())
+            if not (title in self.sheet.ignored or key(title) in INDEX or label):
+                continue
+            words = self.body[place].map(lambda cell: key(str(cell)))
+            valid = VALID.get(key(title))
+            named = words.isin(STATISTICS)
+            if label:  # A point may be called max; below the others it is none.
+                named = named[::-1].cummin()[::-1]
+            bad = ~words.isin(("", *YES)) if valid else words.isin(YES) if valid is not None else named & (named.mean() < MOST)
+            if valid is not None and title in self.sheet.ignored:
+                self.sheet.ignored.remove(title)
+            for line, word in self.body[place][bad.to_numpy(dtype=bool)].items():
+                text = f"'{word}' in {title}: the row is not valid" if valid is not None else f"'{word}': no measured row"
+                self.sheet.left_out.append(Fault(text, int(line), title or None))
 
     def _on_one_clock(self, decimal: str) -> None:
         """A row for each time of any channel; a channel belongs to the times to the left of it."""
@@ -349,6 +378,10 @@ class _Reader:
             self._unknown(title)
             return None
         written = self._unit(place, title, candidates[0], bool(name))
+        if not written and candidates[0][0].endswith(DEVIATION):
+            base = candidates[0][0].removesuffix(DEVIATION)
+            bases = ((k, other) for k, title in enumerate(self.titles) if title for other in self.names.split(title)[:1] if other[0] == base)
+            written = next((self._unit(k, self.titles[k], other, False) for k, other in bases), "")
         for name, _ in candidates:
             column = self._column(name)
             if column.dimension == "text":
