@@ -137,7 +137,7 @@ def test_a_search_without_steady_states_is_bounded() -> None:
     opened.most_solves = 400
     with pytest.raises(fit.FitError, match="8 of 10 points have no steady state.*pounds"):
         fit.fit(opened, [parameter("friction.pulley", 0.062, high=10.0)])
-    assert opened.solves <= opened.most_solves + 10 * worker.LOST_SOLVES
+    assert 200 < opened.solves <= opened.most_solves
 
 
 def test_points_beyond_the_capacity_are_not_solved(fmu: Path, archive: Any) -> None:

@@ -52,10 +52,12 @@ class Model:
         self.deviations = self.values["sd"].to_numpy()
         self.solves = 0  # Number of steady states and recorded shifts solved so far
         self.most_solves = np.inf  # Number of them after which a search ends
+        self._last = 0  # Number of those of all points with one set of values
 
     def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
         """Results of the model at all points, for several sets of values."""
         found, count = self._count([(values, point) for values in assignments for point in self.points]), len(self.points)
+        self._last = sum(one.solves for one in found[-count:])
         # The slip of the last set of values is a good estimate for the next one.
         self.points = tuple(
             replace(point, slip=one.values.get("slip", point.slip)) if point.speed_ratio is not None else point
@@ -65,7 +67,8 @@ class Model:
 
     @property
     def exhausted(self) -> bool:
-        return self.solves > self.most_solves
+        """Whether another solution of all points would take too long."""
+        return self.solves + self._last > self.most_solves
 
     def _count(self, jobs: Sequence[Job]) -> list[Found]:
         found = self.solve(jobs) if jobs else []
