@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import random
 import re
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -143,6 +144,8 @@ HEADS = {
     "Klemmkraft Sekundärscheibe in kN;Klemmkraft Primärscheibe in kN",
     "words": "i_geo;primary pulley speed [rpm];Drehzahl der Sekundärscheibe [rpm];T_P [Nm];T_S [Nm];Sekundär-Anpresskraft [kN];"
     "driving pulley clamping force [kN]",
+    "French": "rapport géométrique;vitesse d'entrée [tr/min];régime secondaire [tr/min];couple d'entrée [N.m];couple de sortie [N.m];"
+    "effort de serrage secondaire [kN];effort axial poulie primaire [kN]",
     "without pulleys": "i_geo;Drehzahl [1/min];Drehzahl Abtrieb [1/min];Drehmoment [Nm];Drehmoment Abtrieb [Nm];Anpresskraft [kN];Kraft Antrieb [kN]",
 }
 DESCRIPTIONS = ["ratio", "speed", "speed", "torque", "torque", "force", "force"]
@@ -156,9 +159,13 @@ HEADERS = {
     "units above": [UNITS, COLUMNS],
     "letters of which three are units, units": [COLUMNS, ["calc", *"PSPSSP"], UNITS],
     "units of three columns, words": [[*COLUMNS[:4], *TITLES[4:]], ["", *UNITS[1:4], *["HBM"] * 3]],
+    "titles that span two rows": [["i_geo", *["Primary", "", "Secondary", ""], "F_S", "F_P"], ["", "n", "T", "n", "T", "", ""],
+                                  ["-", "rpm", "Nm", "rpm", "Nm", "kN", "kN"]],
     "titles over two rows": [PULLEYS, DESCRIPTIONS, UNITS],
 }
-HABITS |= {f"header: {name}": joined([[*map(str, row)] for row in [*head, *ROWS]], ";") for name, head in HEADERS.items()}
+SPANNED = [[row[k] for k in (0, 1, 3, 2, 4, 5, 6)] for row in ROWS]
+HABITS |= {f"header: {name}": joined([[*map(str, row)] for row in [*head, *(SPANNED if "span" in name else ROWS)]], ";") for name, head in HEADERS.items()}
+HABITS["header: every title over two lines"] = joined([[f'"{t.replace(" ", chr(10))}"' for t in TITLES], *rows_of()])
 
 
 @pytest.mark.parametrize("habit", HABITS)
@@ -176,7 +183,7 @@ def test_habits_of_rigs_and_spreadsheets(habit: str, tmp_path: Path) -> None:
         ("KN", "force", 1e3), ("[kN]", "force", 1e3), ("(kN)", "force", 1e3), ("Prozent", "ratio", 0.01), ("pct", "ratio", 0.01),
         ("lbf ft", "torque", 1.3558179483314), ("lbf", "force", POUND), ("klbf", "force", 1e3 * POUND),
         ("N", "force", 1.0), ("bar", "pressure", 1e5), ("MPa", "pressure", 1e6), ("N/mm²", "pressure", 1e6), ("psi", "pressure", 6894.757293168),
-        ("bara", "pressure", 1e5 - 101325.0), ("cm²", "area", 1e-4), ("l/min", "flow", 1.0 / 6e4),
+        ("bara", "pressure", 1e5 - 101325.0), ("kg/cm²", "pressure", 98066.5), ("N・m", "torque", 1.0), ("cm²", "area", 1e-4), ("l/min", "flow", 1.0 / 6e4),
         ("mPA", "pressure", None), ("1/s", "speed", None), ("kNm", "force", None), ("", "force", None),
     ],
 )  # fmt: skip
@@ -369,6 +376,36 @@ def test_a_unit_is_no_name_and_a_deviation_has_the_unit_of_its_column(tmp_path: 
     rows = [["a", "b", "c", "d"], ["-", "rpm", "rpm", "kN"], *(row[:4] for row in LONG)]
     with pytest.raises(TableError, match="unknown are a, b, c, d"):
         points.read(written(path, rows, ";"))
+
+
+ZIPPED = {"a.txt": "a zip archive", "mimetype": "an OpenDocument file", "xl/workbook.bin": "a binary workbook"}
+OTHERS = [
+    (b"\x89HDF\r\n\x1a\n\0\0", "HDF5"), (b"MATLAB 5.0 MAT-file, Platform" + bytes(100), "MATLAB"), (b"TDSm\x0e\0\0\0", "TDMS"),
+    (b'{"n_P": [1, 2]}', "JSON"), (b'\xef\xbb\xbf [\n {"n_P": 1}]', "JSON"), (b"<?xml version='1.0'?><a/>", "XML"), (b"CDF\x01\0", "netCDF"),
+]
+
+
+@pytest.mark.parametrize(("content", "kind"), [*OTHERS, *ZIPPED.items()])
+def test_files_of_other_kinds_are_named(content: bytes | str, kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "table.dat"
+    if isinstance(content, bytes):
+        path.write_bytes(content)
+    else:
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr(content, "application/vnd.oasis.opendocument.spreadsheet")
+    with pytest.raises(TableError, match=f"this is .*{kind}.*, not a table: export it as CSV") as error:
+        points.read(path)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(("encoding", "title"), [("shift_jis", "軸力"), ("gbk", "夹紧力"), ("euc_kr", "추력"), ("cp1251", "Усилие")])
+def test_encodings_by_name(encoding: str, title: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = file(tmp_path, joined([[*TITLES[:6], f"{title} [kN]"], *rows_of()], ";"), encoding)
+    assert any("--encoding" in remark for remark in points.read(path).sheet.remarks)
+    assert __main__.main([str(path), "--check", "--encoding", encoding, "--map", f"{title} [kN]=F_P [kN]"]) == 0
+    assert "12 thrustRatio" in capsys.readouterr().out
+    with pytest.raises(TableError, match="unknown encoding"):
+        points.read(path, Reading(encoding="latin1o"))
 
 
 @pytest.mark.parametrize("absent", ["n_P", "F_S", "T_P"])

@@ -55,6 +55,7 @@ def _of_both(dimension: str, low: float, high: float, name: str, letters: str, w
     for pulley, meaning in meanings.items():
         ends = ENDS[pulley].split()
         symbols = [f"{letter}{end}" for letter in letters.split() for end in ends]
+        symbols += [f"{end} {letter}" for letter in letters.split() for end in ends if len(end) > 2]
         spelled = [f"{word} {end}" for word in words.split(", ") for end in ends[:2]]
         found[f"{pulley}.{name}"] = Column(dimension, low, high, meaning, (*symbols, *spelled))
     return found
@@ -63,12 +64,14 @@ def _of_both(dimension: str, low: float, high: float, name: str, letters: str, w
 CONDITIONS: Mapping[str, Column] = {
     "ratio.geometric": Column(
         "ratio", 0.1, 10.0, "r_S/r_P, above 1 is underdrive",
-        ("geometric ratio", "i_geo", "i_geom", "r_S/r_P", "r2/r1", "pulley ratio", "geometrische Übersetzung", "Radienverhältnis"),
+        ("geometric ratio", "i_geo", "i_geom", "r_S/r_P", "r2/r1", "pulley ratio", "geometrische Übersetzung", "Radienverhältnis",
+         "rapport géométrique"),
     ),
     "ratio.speed": Column(
         "ratio", 0.1, 10.0, "primary speed/secondary speed, in place of ratio.geometric",
         ("i", "speed ratio", "i_speed", "n_P/n_S", "n1/n2", "n_in/n_out", "n_an/n_ab", "ratio", "gear ratio", "transmission ratio", "CVT ratio",
-         "variator ratio", "Übersetzung", "Uebersetzung", "Übersetzungsverhältnis", "Drehzahlverhältnis"),
+         "variator ratio", "Übersetzung", "Uebersetzung", "Übersetzungsverhältnis", "Drehzahlverhältnis", "rapport",
+         "rapport de transmission", "rapport des vitesses"),
     ),
     **_of_both("speed", 1.0, 2000.0, "speed", "n w omega N", "speed, rpm, Drehzahl", {
         "primary": "speed of the primary pulley",
@@ -97,10 +100,10 @@ QUANTITIES: Mapping[str, Quantity] = {
     ),
     "slip": Quantity(
         "ratio", -0.5, 0.5, "1 - secondary speed/primary speed * ratio.geometric",
-        ("belt slip", "slip ratio", "nu", "Schlupf", "Riemenschlupf"), absolute=5e-4, relative=0.05,
+        ("belt slip", "slip ratio", "nu", "Schlupf", "Riemenschlupf", "glissement"), absolute=5e-4, relative=0.05,
     ),
     "efficiency": Quantity(
-        "ratio", 0.01, 1e3, "driven power/driving power, at most 1", ("eta", "eff", "Wirkungsgrad"), absolute=3e-3
+        "ratio", 0.01, 1e3, "driven power/driving power, at most 1", ("eta", "eff", "Wirkungsgrad", "rendement"), absolute=3e-3
     ),
     "di/dt": Quantity("rate", -100.0, 100.0, "shift rate, i = ratio.geometric", ("didt",), absolute=0.01, relative=0.05),
     "ds/dt": Quantity("rate", -100.0, 100.0, "shift rate, s = 1/ratio.geometric", ("dsdt",), absolute=0.01, relative=0.05),

@@ -7,6 +7,7 @@ import csv
 import gzip
 import io
 import re
+import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -26,6 +27,11 @@ SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "bl
 """Signs between columns, in the order of preference."""
 LARGEST = 1_000_000_000  # Largest file, bytes
 LEAST_NAMES = 3  # Number of known columns from which a sheet is a table beside another one with the same
+OTHERS = {
+    b"\x89HDF": "an HDF5 file, or MATLAB's of version 7.3", b"MATLAB 5.0": "a MATLAB file", b"TDSm": "a TDMS file", b"CDF": "a netCDF file",
+    b"%PDF": "a PDF", b"\x93NUMPY": "a NumPy file", b"ARROW1": "a Feather file", b"\xd0\xcf\x11\xe0": "an old Excel file",
+}  # fmt: skip
+"""Files that are no tables by the bytes with which they start."""
 HEAD = 60  # Rows in which the header is searched
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
          codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}  # fmt: skip
@@ -51,7 +57,7 @@ class Cells(NamedTuple):
         return [[str(cell).strip() for cell in row] for row in self.frame.iloc[:HEAD].itertuples(index=False)]
 
 
-def read(path: Path, names: Names, sheet: str | None = None) -> Cells:
+def read(path: Path, names: Names, sheet: str | None = None, encoding: str | None = None) -> Cells:
     """Cells of a file. The separator or the sheet is the one with most known names. Raises TextError if the file is not a
     table, OSError if it cannot be read."""
     size = path.stat().st_size
@@ -69,18 +75,33 @@ def read(path: Path, names: Names, sheet: str | None = None) -> Cells:
         return _mf4(data, names)
     if data.startswith(b"PAR1"):
         return _parquet(data)
+    kind = next((kind for start, kind in OTHERS.items() if data.startswith(start)), _zipped(data) if data.startswith(b"PK\x03\x04") else None)
+    if re.match(rb'(?:\xef\xbb\xbf)?\s*(?:[{\[]\s*["{\[\]}]|<(?:[?!]|html))', data[:200], re.IGNORECASE):
+        kind = "XML or HTML" if b"<" in data[:10] else "JSON"
+    if kind is not None:
+        raise TextError(f"this is {kind}, not a table: export it as CSV, .xlsx, Parquet or MDF")
     if data.startswith(b"PK\x03\x04"):
         return _spreadsheet(data, names, sheet)
-    if data.startswith(b"\xd0\xcf\x11\xe0"):
-        raise TextError("this is an old Excel file: save it as .xlsx or CSV")
-    return _text(data, names)
+    return _text(data, names, encoding)
+
+
+def _zipped(data: bytes) -> str | None:
+    """What a zip archive is; None if it may be a workbook."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            inside = archive.namelist()
+            if "mimetype" in inside and b"opendocument" in archive.read("mimetype")[:80]:
+                return "an OpenDocument file"
+    except (zipfile.BadZipFile, RuntimeError, zlib.error):
+        return None
+    return "a binary workbook" if "xl/workbook.bin" in inside else None if "[Content_Types].xml" in inside else "a zip archive"
 
 
 # Text
 
 
-def _decoded(data: bytes) -> tuple[str, str]:
-    encoding = next((name for mark, name in MARKS.items() if data.startswith(mark)), None)
+def _decoded(data: bytes, encoding: str | None = None) -> tuple[str, str]:
+    encoding = encoding or next((name for mark, name in MARKS.items() if data.startswith(mark)), None)
     if encoding is None and data[:4000].count(0):
         # UTF-16 without a mark: the zeros of Latin text are at odd places if the low byte comes first.
         even, odd = data[0:4000:2].count(0), data[1:4000:2].count(0)
@@ -90,15 +111,16 @@ def _decoded(data: bytes) -> tuple[str, str]:
     for candidate in [encoding] if encoding else ["utf-8", "cp1252", "latin-1"]:
         try:
             return data.decode(candidate).lstrip("\N{ZERO WIDTH NO-BREAK SPACE}"), candidate.removesuffix("-sig")
-        except UnicodeDecodeError as error:
+        except (UnicodeDecodeError, LookupError) as error:
             reason = error
     raise TextError(f"the file is not text in {encoding}: {reason}")
 
 
-def _text(data: bytes, names: Names) -> Cells:
+def _text(data: bytes, names: Names, known: str | None) -> Cells:
     import pandas as pd
 
-    text, encoding = _decoded(data)
+    text, encoding = _decoded(data, known)
+    guessed = encoding in ("cp1252", "latin-1") and known is None
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     declared = re.fullmatch(r'\s*"?sep=(.)"?[\s;,\t]*', lines[0], re.IGNORECASE)
     lines = _with_header([*[""] * bool(declared), *lines[bool(declared) :]], names)
@@ -119,7 +141,8 @@ def _text(data: bytes, names: Names) -> Cells:
     breaks = frame.apply(lambda column: column.str.count("\n")).sum(axis=1).to_numpy(dtype=int)
     frame.index = 1 + np.arange(len(frame)) + np.cumsum(breaks) - breaks
     frame = frame.apply(lambda column: column.str.replace(r"\s*\n\s*", " ", regex=True).str.strip())
-    return Cells(frame[(frame != "").any(axis=1)], name, separator)
+    remarks = (f"the text is no UTF-8 and is read as {encoding.upper()}; --encoding names another, such as shift_jis, gbk, euc_kr or cp1251",)
+    return Cells(frame[(frame != "").any(axis=1)], name, separator, remarks * guessed)
 
 
 def _split(line: str, separator: str) -> list[str]:

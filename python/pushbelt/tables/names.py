@@ -19,22 +19,25 @@ DEVIATION = ".sd"  # Suffix of a column of standard deviations
 CLOSE = 0.82  # Similarity above which an unknown name is taken for a misspelled one
 LETTERS = str.maketrans({
     "ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s",
+    "é": "e", "è": "e", "ê": "e", "à": "a",
 })  # fmt: skip
 WIDE = str.maketrans("（）［］｛｝", "()[]{}")
 WORDS = {
     "side": {
-        "primary": "primary primär primaer primäre primärer primäres pri prim input in drive driving antrieb antriebs an eingang eingangs",
+        "primary": "primary primär primaer primäre primärer primäres pri prim input in drive driving antrieb antriebs an eingang eingangs "
+        "primaire menante entree",
         "secondary": "secondary sekundär sekundaer sekundäre sekundärer sekundäres sec sek output out driven abtrieb abtriebs ab ausgang "
-        "ausgangs",
+        "ausgangs secondaire menee sortie desortie",
     },
     "quantity": {
-        "speed": "speed rpm rotationalspeed angularspeed angularvelocity drehzahl winkelgeschwindigkeit",
-        "torque": "torque moment drehmoment",
+        "speed": "speed rpm rotationalspeed angularspeed angularvelocity drehzahl winkelgeschwindigkeit vitesse vitessederotation regime",
+        "torque": "torque moment drehmoment couple",
         "clampingForce": "clampingforce clampforce clamping force axialforce thrust thrustforce anpresskraft anpreßkraft klemmkraft spannkraft "
-        "axialkraft kraft",
-        "pressure": "pressure oilpressure clampingpressure druck öldruck oeldruck anpressdruck anpreßdruck",
+        "axialkraft kraft effort effortaxial effortdeserrage forceaxiale forcedeserrage poussee",
+        "pressure": "pressure oilpressure clampingpressure druck öldruck oeldruck anpressdruck anpreßdruck pression "
+        "pressionhuile",
     },
-    "filler": {"": "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on"},
+    "filler": {"": "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on poulie arbre de du"},
 }
 """Words of titles by what they mean."""
 BARE = {"speed": "primary.speed", "torque": "primary.torque", "clampingForce": "secondary.clampingForce"}
@@ -55,6 +58,7 @@ def unquoted(title: str) -> str:
 def key(name: str) -> str:
     """A name without case, blanks, points, hyphens and brackets. Any other letter or sign distinguishes it: `F_P*` is not `F_P`."""
     name = unicodedata.normalize("NFC", unquoted(name)).strip().lower().translate(LETTERS)
+    name = re.sub(r"\b[dl]['’](?=\w)", "", name)  # Couple d'entrée
     return re.sub(r"[\s_.,:;^~$(){}\[\]\N{HYPHEN}-\N{EM DASH}-]", "", name)
 
 

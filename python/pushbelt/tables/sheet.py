@@ -93,6 +93,7 @@ class Reading:
     renamed: Mapping[str, str] = field(default_factory=dict)
     """Known name, possibly with a unit, by the title of the file, or the other way round."""
     sheet: str | None = None  # Sheet of a spreadsheet
+    encoding: str | None = None  # Of a text; None: UTF-8, what its first bytes say, or CP1252
     as_written: bool = False  # Whether values that are not plausible are taken as they are written
 
 
@@ -172,7 +173,7 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     reading = reading or Reading()
     names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
     try:
-        return _Reader(path, files.read(path, names, reading.sheet), names, reading, misspelled).read()
+        return _Reader(path, files.read(path, names, reading.sheet, reading.encoding), names, reading, misspelled).read()
     except TableError:
         raise
     except ValueError as error:  # A TextError, or pandas' ParserError.
@@ -193,7 +194,8 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
     for row in range(len(head) - 1):
         # Titles over two rows: primary, secondary above speed, torque.
         above = [next((cell for cell in head[row][k::-1] if cell), "") for k in range(len(head[row]))]
-        joined = [f"{one} {other}".strip() if other else "" for one, other in zip(above, head[row + 1], strict=True)]
+        # A title over both rows has nothing below.
+        joined = [f"{one} {other}".strip() if other else own for one, other, own in zip(above, head[row + 1], head[row], strict=True)]
         if names.count(joined) > max(names.count(titles), 1.0):
             at, titles = row + 1, joined
     below = [row for row in range(at + 1, at + 1 + HEADERS) if row < len(head)]
