@@ -38,9 +38,11 @@ from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
 from pushbelt.tables import columns, points
 from pushbelt.tables.sheet import TableError
+from pushbelt.tables.units import FOOT, POUND
 
 from . import parameters
 
+SUSPECT = 1.5  # Root mean square of the residuals, in standard deviations, above which torques in lb·ft are tried
 MISFIT = 3  # Exit code of a bad fit
 ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
 SOLUTION = 0.03  # Processor time of a steady state, s
@@ -175,6 +177,14 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
     with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * cost(rig)) as opened:
         found = fit(opened, chosen)
+        if found.rms[1] > SUSPECT and not rig.recorded:
+            # A torque in another unit of the same size is fitted by a friction of another size, but not as well.
+            other = model.Model([replace(point, torque=POUND * FOOT * point.torque) for point in rig.points], opened.solve)
+            other.most_solves = opened.most_solves
+            if (rms := fit(other, chosen).rms[1]) < 0.5 * found.rms[1]:
+                text = f"torques in lb.ft leave {rms:.3g} standard deviations in place of {found.rms[1]:.3g}"
+                text += f': --map "{rig.sheet.title("primary.torque")}=primary.torque [lb.ft]"'
+                found = found._replace(misfit=text)
     about = (time.perf_counter() - begin, points.notes(rig.sheet))
     results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)

@@ -28,11 +28,11 @@ MOST = 0.5  # Share of a column's values with a fault from which the whole colum
 SHOWN = 12  # Largest number of faults that an error lists in full
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
 """Titles of columns that count the rows."""
-STATISTICS = frozenset(map(key, """mean average avg median min max minimum maximum mittel mittelwert mittelwerte durchschnitt summe sum total
-    std stddev stdev sd sigma stdabw standardabweichung streuung varianz variance range spannweite moyenne écart-type écart_type ø""".split()))
+STATISTICS = frozenset(map(key, "mean average avg median min max minimum maximum mittel mittelwert mittelwerte durchschnitt summe sum total std "
+    "stddev stdev sd sigma stdabw standardabweichung streuung varianz variance range spannweite moyenne écart-type ø".split()))  # fmt: skip
 """Words of rows that are computed from other rows."""
-VALID = {**dict.fromkeys(map(key, "valid isvalid validity gültig gueltig ok use used include verwenden valide".split()), True),
-         **dict.fromkeys(map(key, "invalid ungültig outlier ausreißer exclude excluded reject rejected bad".split()), False)}  # fmt: skip
+VALID = {key(word): good for words, good in (("valid isvalid validity gültig gueltig ok use used include verwenden valide", True),
+         ("invalid ungültig outlier ausreißer exclude excluded reject rejected bad", False)) for word in words.split()}  # fmt: skip
 """Titles of columns that say whether a row is valid, or that it is not."""
 YES = frozenset("1 10 true wahr vrai yes y ja j oui x ok gültig valid".split())
 SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their numbers agree
@@ -40,6 +40,7 @@ SEVERAL = 3  # Least number of values without a unit that are read as per cent
 SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
 MEANT = "not read; if"  # Start of the remark that says how an unknown column is read
+TIMED = re.compile(r"zeit|time|temps|stamp|clock|(?:^|[\[({/,]|\bin )\s*(?:s|ms|us|µs|sec|sek)\s*[\])}]*$")  # Titles of times
 ASCENDING = 0.9  # Share of the values of an unknown column that are not below the one above, if it is the time
 HEADERS = 4  # Rows below the titles in which units and descriptions are searched
 
@@ -268,35 +269,32 @@ class _Reader:
     def _ascending(self, decimal: str) -> None:
         """Takes the first unknown column in s or ms, or with a word for time, as the time if it ascends."""
         for place, title in enumerate(self.titles):
-            told = re.search(r"(?:^|[\[({/,]|\bin )\s*(s|ms|us|µs|sec|sek)\s*[\])}]*$", title) or re.search("zeit|time|temps|stamp|clock", title.lower())
-            found = [unit for _, unit in splits(title) if unit] + [title.strip("[](){} "), self.units[place]]
-            unit = next((unit for unit in found if units.find(unit, "time")), "")
-            if title in self.sheet.ignored and (told or self.units[place].strip(" []()") in ("s", "ms", "us", "µs")):
+            unit = next((u for u in (*(u for _, u in splits(title) if u), title.strip("[](){} "), self.units[place]) if units.find(u, "time")), "")
+            told = TIMED.search(title.lower()) or (self.units[place] and self.units[place].strip(" []()").lower() in ("s", "ms", "us", "µs"))
+            if title in self.sheet.ignored and told:
                 one = Taken(title, "time", unit, place, units.find(unit or "s", "time") or Unit(1.0), self.names.columns["time"])
                 times = numerals.seconds(self.body[place], one.scale, decimal)
                 steps = np.diff(times[np.isfinite(times)])
                 if steps.size and (steps >= 0.0).mean() >= ASCENDING and (steps > 0.0).any():
                     self.sheet.taken["time"] = one
                     self.sheet.ignored.remove(title)
-                    self.sheet.remarks.append(f"{title} ascends and is taken as the time")
-                    return
+                    return self.sheet.remarks.append(f"{title} ascends and is taken as the time")
 
     def _flagged(self) -> None:
         """Leaves out rows that are means or extremes of others by a word in an unknown column, and rows that a column says are not valid."""
         for place, title in enumerate(self.titles):
             label = any(one.place == place and one.name == "name" for one in self.sheet.taken.values())
-            if not (title in self.sheet.ignored or key(title) in INDEX or label):
+            if title not in self.sheet.ignored and key(title) not in INDEX and not label:
                 continue
-            words = self.body[place].map(lambda cell: key(str(cell)))
-            valid = VALID.get(key(title))
+            words, valid = self.body[place].map(lambda cell: key(str(cell))), VALID.get(key(title))
             named = words.isin(STATISTICS)
-            if label:  # A point may be called max; below the others it is none.
-                named = named[::-1].cummin()[::-1]
-            bad = ~words.isin(("", *YES)) if valid else words.isin(YES) if valid is not None else named & (named.mean() < MOST)
-            if valid is not None and title in self.sheet.ignored:
-                self.sheet.ignored.remove(title)
+            # A point may be called max; below the others it is none.
+            bad = named[::-1].cummin()[::-1] if label else named & (named.mean() < MOST)
+            if valid is not None:
+                bad = ~words.isin(("", *YES)) if valid else words.isin(YES)
+                self.sheet.ignored = [other for other in self.sheet.ignored if other != title]
             for line, word in self.body[place][bad.to_numpy(dtype=bool)].items():
-                text = f"'{word}' in {title}: the row is not valid" if valid is not None else f"'{word}': no measured row"
+                text = f"'{word}': the row is not valid" if valid is not None else f"'{word}': no measured row"
                 self.sheet.left_out.append(Fault(text, int(line), title or None))
 
     def _on_one_clock(self, decimal: str) -> None:
