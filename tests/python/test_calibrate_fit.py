@@ -124,6 +124,28 @@ def test_points_without_a_steady_state_do_not_break_the_fit() -> None:
     assert result.estimates[0].value == pytest.approx(0.098, rel=2e-3)
 
 
+def test_a_search_without_steady_states_is_bounded() -> None:
+    """Points beyond the capacity cost most. Forces in a unit that is too small lose nearly all of them at any friction."""
+    sound = model(lambda v, u: v[0] * (1.0 + u), (0.098,), ("friction.pulley",), count=10, deviation=1e-3)
+
+    def solve(jobs: Sequence[Job]) -> list[Found]:
+        share = [values["friction.pulley"] / 5.0 for values, _ in jobs]
+        lost = [Found({}, "slips", 2.0 - one, worker.LOST_SOLVES) for one in share]
+        return [one if point.torque > 0.2 else found for one, found, (_, point) in zip(lost, sound.solve(jobs), jobs, strict=True)]
+
+    opened = Model(sound.points, solve)
+    opened.most_solves = 400
+    with pytest.raises(fit.FitError, match="8 of 10 points have no steady state.*pounds"):
+        fit.fit(opened, [parameter("friction.pulley", 0.062, high=10.0)])
+    assert 200 < opened.solves <= opened.most_solves
+
+
+def test_points_beyond_the_capacity_are_not_solved(fmu: Path, archive: Any) -> None:
+    point = Point(0, "", 1.0, None, SPEED, 500.0, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
+    found = worker.solve(fmu, archive.directory, BASE, point)
+    assert "capacity" in found.reason and found.solves == 1 and 1.0 < found.missing < 2.0
+
+
 def with_value(point: Point, value: float) -> Point:
     return replace(point, measured=(replace(point.measured[0], value=float(value)),))
 

@@ -39,10 +39,12 @@ from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.unit import belt_described
 from pushbelt.tables import columns, points
 from pushbelt.tables.sheet import TableError
+from pushbelt.tables.units import FOOT, POUND
 
 from . import parameters
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+SUSPECT = 1.5  # Root mean square of the residuals, in standard deviations, above which torques in lb·ft are tried
 MISFIT = 3  # Exit code of a bad fit
 ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
 SOLUTION = 0.03  # Processor time of a steady state, s
@@ -134,7 +136,7 @@ def _changes(options: argparse.Namespace) -> dict[str, float]:
     """Values of --set. Without an FMU, which --check does not need, only numbers."""
     changes = dict(options.set)
     if options.fmu is not None:
-        return checked({variable.name: variable for variable in described(options.fmu).modelVariables}, changes, {"parameter"})
+        return checked({variable.name: variable for variable in belt_described(options.fmu).modelVariables}, changes, {"parameter"})
     return {name: float(value) for name, value in changes.items() if re.fullmatch(NUMBER, value)}
 
 
@@ -153,14 +155,18 @@ def once(rig: points.Rig) -> points.Rig:
 
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
     """Number of points, and the time that a fit takes."""
-    costs = (
+    seconds = sets(parameters) * SOLUTION * cost(rig) / workers
+    text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
+    return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
+
+
+def cost(rig: points.Rig) -> float:
+    """Cost of a solution of all points, in steady states."""
+    return sum(
         SAMPLE_COST * len(point.measured) if point.samples
         else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
         for point in rig.points
     )  # fmt: skip
-    seconds = sets(parameters) * SOLUTION * sum(costs) / workers
-    text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
-    return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
 
 
 def sets(parameters: int) -> int:
@@ -181,8 +187,16 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     begin = time.perf_counter()
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
-    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * len(rig.points)) as opened:
+    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * cost(rig)) as opened:
         found = fit(opened, chosen)
+        if found.rms[1] > SUSPECT and not rig.recorded:
+            # A torque in another unit of the same size is fitted by a friction of another size, but not as well.
+            other = model.Model([replace(point, torque=POUND * FOOT * point.torque) for point in rig.points], opened.solve)
+            other.most_solves = opened.most_solves
+            if (rms := fit(other, chosen).rms[1]) < 0.5 * found.rms[1]:
+                text = f"torques in lb.ft leave {rms:.3g} standard deviations in place of {found.rms[1]:.3g}"
+                text += f': --map "{rig.sheet.title("primary.torque")}=primary.torque [lb.ft]"'
+                found = found._replace(misfit=text)
     about = (time.perf_counter() - begin, points.notes(rig.sheet))
     results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)

@@ -107,6 +107,8 @@ def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     group.add_argument("--map", type=mapped, action="append", default=[], metavar="TITLE=NAME", help=text)
     group.add_argument("--decimal", choices=DECIMAL, metavar="SIGN", help="point or comma [default: what the whole file shows]")
     group.add_argument("--sheet", metavar="NAME", help="sheet of an .xlsx file [default: the one with most known columns]")
+    text = "of a text file, such as shift_jis, gbk, euc_kr or cp1251 [default: UTF-8, what its first bytes say, or cp1252]"
+    group.add_argument("--encoding", metavar="NAME", help=text)
     return group
 
 
@@ -114,7 +116,8 @@ def reading(options: argparse.Namespace) -> Reading:
     """Choices of the command line, of how a table is read."""
     from ..tables.sheet import Reading
 
-    return Reading(DECIMAL.get(options.decimal), dict(options.map), options.sheet, getattr(options, "as_written", False))
+    as_written = getattr(options, "as_written", False)
+    return Reading(DECIMAL.get(options.decimal), dict(options.map), options.sheet, options.encoding, as_written)
 
 
 def numbers(text: str) -> tuple[float, ...]:

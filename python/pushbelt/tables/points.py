@@ -13,10 +13,10 @@ from ..fmu.closing import closing_force, sheave_position
 from . import plausible, series, units
 from . import sheet as sheets
 from .columns import (
-    COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, TIME,
+    COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, TIME,
 )  # fmt: skip
 from .names import DEVIATION
-from .sheet import MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
+from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
 
 Array = np.ndarray
 AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
@@ -75,7 +75,7 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
     if SERIES not in sheet.taken and not sheet.faults:
-        sheet = series.averaged(sheet, TIME, tuple(CONDITIONS), NAME)
+        sheet = series.averaged(sheet, TIME, STEP, tuple(CONDITIONS), NAME, reading.as_written)
     points = _Points(sheet, parameters)
     rig = points.rig()
     sheet.remarks += plausible.check(sheet, points.checked, lambda changed: _Points(changed, parameters).checked, reading.as_written)
@@ -117,7 +117,8 @@ class _Points:
             missing.insert(0, "ratio.geometric or ratio.speed")
         if missing:
             unknown = f"; unknown are {', '.join(self.sheet.ignored)}" if self.sheet.ignored else ""
-            self._fault(f"there is no column {', '.join(missing)}{unknown}")
+            meant = [f"; {remark}" for remark in self.sheet.remarks if remark.startswith(MEANT)]
+            self._fault(f"there is no column {', '.join(missing)}{unknown}{''.join(meant)}")
         for name in self.sheet.taken:
             base = name.removesuffix(DEVIATION)
             if base not in self.sheet.taken and base not in self.values:

@@ -61,11 +61,12 @@ SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
         "bara bar(a) bar_a barabs bar,a": (1e5, -ATMOSPHERE),
         "psi psig lbf/in2 lbf/in^2": 6894.757293168,
         "psia": (6894.757293168, -ATMOSPHERE),
-        "kgf/cm2 kgf/cm^2 at": 98066.5,
+        "kgf/cm2 kgf/cm^2 kg/cm2 kg/cm^2 kp/cm2 kp/cm^2 at": 98066.5,
     },
     "time": {
-        "s sec secs second seconds sek hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss": 1.0,
+        "s sec secs second seconds sek sekunden secondes hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss": 1.0,
         "ms msec": 1e-3,
+        "us μs": 1e-6,
         "min": 60.0,
         "h hr hours": 3600.0,
     },
@@ -152,7 +153,7 @@ def normal(text: str) -> str:
     if text[:1] in "[(<":
         bracketed = r"\s*(?:\[(.*)\]|\((?![ag]\))(.*)\)|<(.*)>)\s*"
         text = re.sub(bracketed, lambda found: next(g for g in found.groups() if g is not None), text, count=1)
-    text = re.sub(r"(?<=[A-Za-z])[\s.·⋅∙•*×]+(?=[A-Za-z])", "", text)
+    text = re.sub(r"(?<=[A-Za-z])[\s.·⋅∙•・*×]+(?=[A-Za-z])", "", text)
     text = re.sub(r"\s+", "", text.replace("**", "^")).replace("^-1^", "^-1")
     return text.rstrip(".") if len(text) > 1 else text
 
