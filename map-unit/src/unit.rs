@@ -28,9 +28,10 @@ pub struct MapUnit {
     time: f64,
     /// Inputs at the present time.
     pub(crate) inputs: Inputs,
-    /// Whether it has been logged that the state is beyond the tables, and that a pressure opens a pulley.
+    /// Whether it has been logged that the state is beyond the tables, that a pressure opens a pulley, and that one acts on no area.
     outside: bool,
     opened: bool,
+    idle: PerPulley<bool>,
     readings: Readings,
 }
 
@@ -88,7 +89,8 @@ impl MapUnit {
         Ok(())
     }
 
-    /// Sets the readings, and logs once each that a cylinder opens its pulley and that the state is beyond the tables.
+    /// Sets the readings, and logs once each that a pressure acts on no area, that one opens its pulley and that the state is beyond the
+    /// tables.
     fn observe(&mut self, remarks: &mut Vec<Remark>) {
         let (point, of) = (self.present(), &self.law.parameters);
         let opens = of.opening(&self.inputs, point.closing, self.time);
@@ -101,7 +103,8 @@ impl MapUnit {
             )
         });
         (self.opened, self.outside) = (self.opened | opens.is_some(), self.outside | outside.is_some());
-        remarks.extend([opens, outside].into_iter().flatten().map(Remark::warning));
+        let idle = of.idle_pressures(&self.inputs, &mut self.idle, self.time);
+        remarks.extend([idle, opens, outside].into_iter().flatten().map(Remark::warning));
         self.readings = self.read(&point);
     }
 
@@ -259,6 +262,7 @@ impl Unit for MapUnit {
             inputs: settings.inputs,
             outside: false,
             opened: false,
+            idle: PerPulley::default(),
             readings: Readings::default(),
         })
     }
@@ -277,6 +281,7 @@ impl Unit for MapUnit {
         }
         archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);
+        self.idle.each_mut().into_iter().for_each(|said| archive.flag(said));
         if archive.is_reading() {
             self.readings = self.read(&self.present());
         }

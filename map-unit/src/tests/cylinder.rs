@@ -1,9 +1,11 @@
 //! Cylinders: pressure in, flow out.
 
 use pushbelt::variator::settings::Cylinder;
+use pushbelt_fmi::unit::{Experiment, Unit};
 
-use super::{outputs, run, start};
+use super::{outputs, run, start, step};
 use crate::settings::Settings;
+use crate::unit::MapUnit;
 
 const CYLINDER: Cylinder = Cylinder {
     area: 0.012,
@@ -88,4 +90,22 @@ fn seals_hold_the_ratio_but_for_creep() {
     });
     let creeps = 0.0 < rubbing && rubbing < free && rubbing < 5e-4 / 3.0_f64.sqrt();
     assert!(creeps, "{rubbing} {free}");
+}
+
+/// At the start and in a run, each once.
+#[test]
+fn a_pressure_without_an_area_is_warned_about_once() {
+    let mut settings = super::settings();
+    settings.inputs.secondary.pressure = 1e5;
+    let mut remarks = Vec::new();
+    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut remarks).expect("a start");
+    settings.inputs.primary.pressure = 2e5;
+    for to in [0.01, 0.02] {
+        remarks.extend(step(&mut unit, &settings, to, None).expect("a step"));
+    }
+    let texts: Vec<_> = remarks.iter().map(|remark| (remark.warning, &*remark.text)).collect();
+    let [(true, first), (true, second)] = texts[..] else {
+        panic!("{texts:?}");
+    };
+    assert!(first.contains("secondary.cylinder.area is 0") && second.contains("primary.cylinder.area is 0"));
 }

@@ -101,7 +101,10 @@ impl Variator {
     /// An input that is out of its range, or no state found.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
-        self.slipped = f64::NEG_INFINITY;
+        (self.slipped, self.hints) = (f64::NEG_INFINITY, Hints::NONE);
+        let parameters = &self.simulation.system.parameters;
+        let idle = parameters.idle_pressures(inputs, &mut self.hints.idle, time);
+        idle.into_iter().for_each(|text| self.simulation.log(true, text));
         self.start_state = self.simulation.find_start(time, inputs)?;
         let simulation = &mut self.simulation;
         simulation.state.y_dot.fill(0.0);
@@ -111,7 +114,7 @@ impl Variator {
         };
         self.stepper = Stepper::new(simulation, first_step);
         self.work = Work::default();
-        (self.pace, self.hints) = (Pace::new(inputs), Hints::NONE);
+        self.pace = Pace::new(inputs);
         simulation.apply(InputProfile::constant(inputs));
         simulation.energy = EnergyBalance::open(&simulation.system, simulation.state.view());
         self.macro_slip = simulation.slips(false);
