@@ -152,6 +152,7 @@ fn locals<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
     let rows = [
         read!("stored.energy", 18, Local, Real("J", Range::typical(1000.0)), "Kinetic and elastic energy stored in the variator", stored_energy),
         read!("energy.residual", 19, Local, Real("J", Range::typical(1.0)), "Energy residual since the start: supplied - lost - stored", energy_residual),
+        read!("solver.skipped", 37, Local, Real("s", Range::from(0.0).of_size(1e-3)), "Time that was left out since the start with solver.mode = RealTime: what a run would be behind beyond 0.02 s", work.skipped),
         read!("initial.found", 23, Local, Choice(StartState), "State from which the run started: the requested one, or the reason for another one", start_state as i32),
     ];
     rows.into_iter().map(|row| row.variable(WHOLE))

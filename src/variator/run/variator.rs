@@ -198,6 +198,7 @@ impl Variator {
         }
         archive.real(&mut work.defect);
         archive.real(&mut work.behind);
+        archive.real(&mut work.skipped);
         self.pace.serialize(archive);
         self.hints.serialize(archive);
         archive.flag(&mut self.macro_slip);

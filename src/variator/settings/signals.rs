@@ -179,6 +179,7 @@ pub struct Work {
     pub residuals: i32,
     pub defect: f64,
     pub behind: f64,
+    pub skipped: f64,
     pub rollbacks: i32,
 }
 
