@@ -40,6 +40,7 @@ const NOT_OF_PULLEY: &str = "position tilt idleArc sheaveMass sheaveDamping tilt
 fn text(name: &str) -> Option<&'static str> {
     Some(match name {
         "radius" => "Running radius on the {} pulley: pitch radius of the arc",
+        "cylinder.volume" => "Oil in the cylinder of the {} pulley beyond that at ratio 1. Its change over a step, divided by the step, is the mean flow",
         "cylinder.springStiffness" => "Stiffness of the spring of the {} sheaves: its force falls with the position",
         "cylinder.seal" => "Friction of the seals of the {} cylinder, against {}.sheaveVelocity",
         "efficiency" => "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow",

@@ -138,6 +138,7 @@ impl MapUnit {
                 clamping_force_total: axial[j],
                 sheave_velocity: velocities[j],
                 flow: of.cylinder.area * velocities[j],
+                volume: of.cylinder.area * point.positions[j],
                 shaft_torque: -into[j],
                 external_torque: match of.drive {
                     Drive::Torque => given.torque,

@@ -89,6 +89,7 @@ macro_rules! pulley_outputs {
             read!("{}.position", 13, Output, Real("m", Range::typical(0.01)), "Displacement of the movable {} sheave, positive when it closes, 0 at ratio 1", $pulley.position),
             read!("{}.sheaveVelocity", 25, Output, Real("m/s", Range::typical(0.01)), "Speed of the movable {} sheave, positive when it closes", $pulley.sheave_velocity),
             read!("{}.cylinder.flow", 24, Output, Real("m3/s", Range::typical(1e-4)), "Flow into the cylinder of the {} pulley, {}.cylinder.area * {}.sheaveVelocity", $pulley.flow),
+            read!("{}.cylinder.volume", 26, Output, Real("m3", Range::typical(1e-4)), "Oil in the cylinder of the {} pulley beyond that at ratio 1, {}.cylinder.area * {}.position. Its change over a step, divided by the step, is the mean flow", $pulley.volume),
             read!("{}.clampingForceTotal", 23, Output, Real("N", Range::typical(1e4)), "Force that closes the {} sheaves at the end of the last step: {}.clampingForce, pressure, spring, rotating oil and seals, or the reaction of a held sheave", $pulley.clamping_force_total),
             read!("{}.axialForce", 14, Output, Real("N", Range::typical(1e4)), "Axial force of the belt on one {} sheave", $pulley.axial_force),
             read!("{}.shaftTorque", 15, Output, Real("N.m", Range::typical(100.0)), "Torque of the belt on the {} pulley, without the drag of the shaft; negative when the shaft drives the belt", $pulley.shaft_torque),

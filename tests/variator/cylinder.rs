@@ -91,6 +91,7 @@ fn power_of_the_oil_is_the_work_on_the_sheave() {
             run.watch(0.1, 1e-3, |_, o: &Outputs| {
                 let mut seals = 0.0;
                 for (of, given) in [(&o.primary, &inputs.primary), (&o.secondary, &inputs.secondary)] {
+                    assert_eq!(of.volume, CYLINDER.area * of.position);
                     let drag = CYLINDER.drag(of.sheave_velocity, v0);
                     let others = given.clamping_force + CYLINDER.push(of.position, of.speed) - drag;
                     let mechanical = (of.clamping_force_total - others) * of.sheave_velocity;

@@ -64,6 +64,7 @@ fn cylinders_move_the_sheaves() {
                     of.axial_force
                 );
                 assert_eq!(of.flow, cylinder.area * of.sheave_velocity);
+                assert!((of.volume - cylinder.area * position).abs() < 1e-15, "{}", of.volume);
                 let moved = way * (of.radius - before.radius) / 1e-3;
                 let mean = 0.5 * (of.sheave_velocity + before.sheave_velocity);
                 let follows = (moved - mean).abs() <= 0.05 * mean.abs() + 1e-9;

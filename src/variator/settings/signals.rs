@@ -108,6 +108,7 @@ pub struct PulleyOutputs {
     pub sheave_velocity: f64,
     pub clamping_force_total: f64,
     pub flow: f64,
+    pub volume: f64,
     pub axial_force: f64,
     pub shaft_torque: f64,
     pub external_torque: f64,
