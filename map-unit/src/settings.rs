@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pushbelt::unit::shared_variables;
+use pushbelt::unit::{AT_REST, shared_variables};
 use pushbelt::variator::settings::{Axial, Drive, Outputs};
 use pushbelt_fmi::si;
 use pushbelt_fmi::table::{Access, Causality, Kind, Table, Variable};
@@ -79,5 +79,7 @@ pub fn table() -> Table<Settings, Readings> {
             access: Access::Reading(|readings: &Readings| readings.outside),
         },
     });
-    Table::new(si::UNITS, &[Drive::TYPE, Axial::TYPE], variables)
+    let mut table = Table::new(si::UNITS, &[Drive::TYPE, Axial::TYPE], variables);
+    table.initial = &AT_REST;
+    table
 }

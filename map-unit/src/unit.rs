@@ -119,7 +119,9 @@ impl MapUnit {
         let (rate, _) = self.law.shift(point);
         let ([least, most], log_ratio) = (self.law.stops, self.state.log_ratio);
         let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
-        let velocities = point.ways.map(|way| if at_stop { 0.0 } else { way * rate });
+        // As in the detailed unit the sheaves start at rest.
+        let rests = at_stop || self.time == 0.0;
+        let velocities = point.ways.map(|way| if rests { 0.0 } else { way * rate });
         let rubbing = PerPulley::from_fn(|j| of.rubbing(j, velocities[j]));
         let axial = PerPulley {
             primary: match of.primary.axial {

@@ -44,6 +44,20 @@ const INITIAL_DEPENDENCIES: &[InitialDependencies] = &[
     ("solver.defect", &[]),
     ("solver.behind", &[]),
     ("solver.rollbacks", &[]),
+    AT_REST[0],
+    AT_REST[1],
+    AT_REST[2],
+    AT_REST[3],
+    AT_REST[4],
+];
+
+/// Outputs that are zero at the start, where the sheaves are at rest.
+pub const AT_REST: [InitialDependencies; 5] = [
+    ("primary.sheaveVelocity", &[]),
+    ("primary.cylinder.flow", &[]),
+    ("secondary.sheaveVelocity", &[]),
+    ("secondary.cylinder.flow", &[]),
+    ("loss.seals", &[]),
 ];
 
 /// The variable table of the variator.

@@ -3,6 +3,7 @@
 use pushbelt::variator::settings::Cylinder;
 use pushbelt_fmi::unit::{Experiment, Unit};
 
+use super::states::{read, written};
 use super::{outputs, run, start, step};
 use crate::settings::Settings;
 use crate::unit::MapUnit;
@@ -109,4 +110,20 @@ fn a_pressure_without_an_area_is_warned_about_once() {
         panic!("{texts:?}");
     };
     assert!(first.contains("secondary.cylinder.area is 0") && second.contains("primary.cylinder.area is 0"));
+}
+
+/// Out of equilibrium too: a coupled circuit reads no flow before the first step, also where the start was stored.
+#[test]
+fn sheaves_are_at_rest_at_the_start() {
+    let mut settings = settings(150.0);
+    settings.parameters.initial.equilibrium = false;
+    settings.inputs.primary.pressure += 1e5;
+    let mut unit = start(&settings);
+    let mut stored = read(&settings, &written(&mut unit)).expect("all bytes");
+    for unit in [&mut unit, &mut stored] {
+        let o = outputs(unit);
+        let moves = [&o.primary, &o.secondary].map(|of| [of.sheave_velocity, of.flow]);
+        assert_eq!((moves, o.losses.seals), ([[0.0; 2]; 2], 0.0));
+    }
+    assert!(run(&mut unit, &settings, 1e-3, 1e-3).primary.flow > 0.0);
 }

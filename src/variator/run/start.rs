@@ -18,8 +18,8 @@ use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
 
 impl Simulation {
-    /// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
-    /// gives it and the reason. Returns what it is.
+    /// Finds the state to start from at `time`, with sheaves at rest: steady or unloaded as the parameters choose, else the nearest that
+    /// exists, with a warning that gives it and the reason. Returns what it is.
     pub fn find_start(&mut self, time: f64, inputs: &Inputs) -> Result<StartState, InitialisationError> {
         (self.start_work, self.time, self.given) = (Counts::default(), time, *inputs);
         let start = self.start_point();
@@ -28,6 +28,10 @@ impl Simulation {
         if self.system.parameters.solver.mode == Mode::RealTime && self.soft_since == time {
             // A ring without tension is a mechanism, too rough for steps of bounded work.
             self.clamp(RAMP);
+        }
+        // A belt that was clamped moves them by a tenth of a millimetre a second, and flows that depend on no input close no loop.
+        for pulley in Pulley::BOTH {
+            self.state.y[self.system.belt.layout.sheave(pulley)] = 0.0;
         }
         Ok(found)
     }
