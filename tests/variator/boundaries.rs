@@ -500,3 +500,35 @@ fn sheaves_are_at_rest_at_the_start() {
         }
     }
 }
+
+/// One sheave or both, also where they tilt at once: the spring that holds the ratio of the search made a soft primary one ring.
+#[test]
+fn soft_sheaves_have_a_steady_start() {
+    for model in MODELS {
+        for (primary, secondary) in [(true, false), (false, true), (true, true)] {
+            for (stiffness, ratio, time) in [
+                (5e4, 1.0, 2e-3),
+                (7e4, 1.0, 2e-3),
+                (7e4, 0.5, 1e-5),
+                (1e5, 2.0, 2e-3),
+                (2e5, 1.0, 1e-5),
+            ] {
+                let mut parameters = variator(model);
+                parameters.initial.ratio = ratio;
+                let (of_primary, of_secondary) = (&mut parameters.primary.tilt, &mut parameters.secondary.tilt);
+                for (tilt, is_soft) in [(of_primary, primary), (of_secondary, secondary)] {
+                    tilt.time = time;
+                    if is_soft {
+                        tilt.stiffness = stiffness;
+                    }
+                }
+                let o = Run::new(parameters, inputs((50.0, 13e3), (-49.0 * ratio, 10e3))).outputs();
+                assert_eq!(
+                    o.start_state,
+                    StartState::Steady,
+                    "{model:?} {primary} {secondary} {stiffness}"
+                );
+            }
+        }
+    }
+}
