@@ -30,7 +30,7 @@ impl AsRef<Outputs> for Readings {
 /// Variables of the whole variator.
 const WHOLE: &str = "thrustRatio belt.speed ratio.speed ratio.geometric slip efficiency efficiency.belt torqueUtilisation \
                      macroSlip loss.total loss.shafts loss.seals stored.energy initial.ratio initial.primarySpeed \
-                     initial.steady initial.equilibrium friction.pulley inputs.ramp";
+                     initial.steady initial.equilibrium initial.strict friction.pulley inputs.ramp";
 
 /// Variables that a pulley of the detailed unit has and one of maps has not.
 const NOT_OF_PULLEY: &str = "position tilt idleArc sheaveMass sheaveDamping tiltStiffness tiltClearance tiltTime";
@@ -50,6 +50,7 @@ fn text(name: &str) -> Option<&'static str> {
         "initial.ratio" => "Geometric ratio secondary radius / primary radius at the start; beyond an end stop the run starts at the stop",
         "initial.primarySpeed" => "Speed of the primary pulley at the start. A shaft with drive = Speed starts at its set point instead",
         "initial.steady" => "True: start with the slip of the steady state, unbalanced torque accelerating the inertias. False: start without slip",
+        "initial.strict" => "True: the initialisation fails where the belt does not carry the torques. False: the run starts without slip, with a warning",
         "friction.pulley" => "Friction coefficient between element and sheave, which scales the torque at a slip; must be below tan(geometry.wedgeAngle)",
         _ => return None,
     })

@@ -217,7 +217,7 @@ impl Unit for MapUnit {
 
     fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::blank(settings, experiment)?;
-        unit.initialise(remarks);
+        unit.initialise(remarks)?;
         unit.observe(remarks);
         Ok(unit)
     }

@@ -3,7 +3,7 @@
 use pushbelt::variator::settings::RingModel::{self, Ale, Ale0};
 use pushbelt::variator::settings::{Axial, BeltKind, Drive, Inputs, Mode, Outputs, Parameters, StartState};
 use pushbelt_support::checks::{assert_close, assert_mirrored};
-use pushbelt_support::run::Run;
+use pushbelt_support::run::{Run, tried};
 use pushbelt_support::variators::{MODELS, SPEED, belt_alone, chain, coarse, inputs, variator};
 
 /// At a standstill, at a ratio, with a flywheel on the secondary shaft.
@@ -497,6 +497,31 @@ fn sheaves_are_at_rest_at_the_start() {
                     assert!(after.secondary.sheave_velocity != 0.0);
                 }
             }
+        }
+    }
+}
+
+/// One warning where the start is another one than was asked for; with `initial.strict` it is an error.
+#[test]
+fn another_start_is_one_warning_or_an_error() {
+    for model in MODELS {
+        for (kind, change, given) in starts() {
+            let mut parameters = coarse(model);
+            change(&mut parameters);
+            let is_other = (3..=5).contains(&(kind as i32));
+            let run = Run::new(parameters.clone(), given);
+            let text = format!("(initial.found = {}, {kind:?}); what helps: ", kind as i32);
+            assert_eq!(run.warnings(&text), usize::from(is_other), "{:?}", run.messages);
+            assert_eq!(run.warnings("initial.found"), usize::from(is_other));
+            let torque = format!("torques {} and", given.primary.torque);
+            assert_eq!(
+                run.warnings("asked for: ratio 1") * run.warnings(&torque),
+                usize::from(is_other)
+            );
+            parameters.initial.strict = true;
+            let (_, error) = tried(parameters, &given);
+            assert_eq!(error.is_some(), is_other, "{kind:?}");
+            assert!(error.is_none_or(|error| error.contains(&text) && error.contains("initial.strict")));
         }
     }
 }

@@ -106,6 +106,7 @@ pub struct Initial {
     pub primary_speed: f64,
     pub steady: bool,
     pub equilibrium: bool,
+    pub strict: bool,
 }
 
 impl Parameters {

@@ -239,6 +239,7 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("initial.primarySpeed", 1012, Parameter, Real("rad/s", 209.44, [-1e4, 1e4]), initial.primary_speed, "Speed of the primary pulley at the start; 0: standstill, the belt starts clamped. A shaft with drive = Speed starts at its set point instead"),
         row!("initial.steady", 1013, Parameter, Switch(true), initial.steady, "True: start from the steady state at this ratio and speed, solved with the primary sheave held and unbalanced torque accelerating the inertias. False: start from the unloaded kinematic state"),
         row!("initial.equilibrium", 1014, Parameter, Switch(false), initial.equilibrium, "With initial.steady: also solve for the ratio at which the two clamping forces are in equilibrium"),
+        row!("initial.strict", 1015, Parameter, Switch(false), initial.strict, "True: the initialisation fails where initial.found would be ReducedTorque, NoEquilibrium or NotFound. False: the run starts from that state, with a warning"),
         row!("geometry.centerDistance", 1021, Parameter, Real("m", 0.168, [1e-2, 10.0]), geometry.center_distance, "Distance of the pulley axes"),
         row!("geometry.beltLength", 1022, Parameter, Real("m", 0.703, [2e-2, 100.0]), geometry.belt_length, "Length of the unstretched ring centre line"),
         row!("geometry.wedgeAngle", 1023, Parameter, Real("rad", 11.0_f64.to_radians(), [1e-2, 0.785]), geometry.wedge_angle, "Half wedge angle of the sheaves"),
