@@ -51,7 +51,8 @@ pub struct Point {
     pub radius: f64,
     /// Ratio.
     pub ratio: f64,
-    /// Ways of the sheaves per change of ln i, m.
+    /// Positions of the sheaves, m, and their ways per change of ln i, m.
+    pub positions: PerPulley<f64>,
     pub ways: PerPulley<f64>,
     /// Forces of clamps and cylinders that close the pulleys, without their seals, N.
     pub closing: PerPulley<f64>,
@@ -192,6 +193,7 @@ impl Law {
             speeds: state.speeds,
             radius,
             ratio: state.log_ratio.exp(),
+            positions,
             ways: radii.map(|(_, slope)| self.way * slope),
             closing,
             force,

@@ -8,8 +8,8 @@ use crate::tuning::{ITERATIONS, TOLERANCE};
 use crate::unit::MapUnit;
 
 impl MapUnit {
-    /// Sets the state at the start.
-    pub(crate) fn initialise(&mut self, remarks: &mut Vec<Message>) {
+    /// Sets the state at the start, or returns why there is none.
+    pub(crate) fn initialise(&mut self, remarks: &mut Vec<Message>) -> Result<(), String> {
         let initial = self.law.parameters.initial.clone();
         let (ratio, [least, most]) = (initial.ratio, self.law.stops);
         self.state.log_ratio = ratio.ln().clamp(least, most);
@@ -40,8 +40,14 @@ impl MapUnit {
         if initial.steady && initial.equilibrium && !self.law.parameters.holds_a_sheave() {
             settled = self.balance();
         }
-        remarks.extend(settled.err().map(Message::warning));
+        match settled {
+            Err(why) if initial.strict => {
+                return Err(format!("{why}; with initial.strict = true this start is an error"));
+            }
+            other => remarks.extend(other.err().map(Message::warning)),
+        }
         self.state.thrust_ratio = self.present().thrust_ratio;
+        Ok(())
     }
 
     /// Moves the ratio to the equilibrium of the clamping forces, or to an end stop.

@@ -28,9 +28,10 @@ pub struct MapUnit {
     time: f64,
     /// Inputs at the present time.
     pub(crate) inputs: Inputs,
-    /// Whether it has been logged that the state is beyond the tables, and that a pressure opens a pulley.
+    /// Whether it has been logged that the state is beyond the tables, that a pressure opens a pulley, and that one acts on no area.
     outside: bool,
     opened: bool,
+    idle: PerPulley<bool>,
     readings: Readings,
 }
 
@@ -88,7 +89,8 @@ impl MapUnit {
         Ok(())
     }
 
-    /// Sets the readings, and logs once each that a cylinder opens its pulley and that the state is beyond the tables.
+    /// Sets the readings, and logs once each that a pressure acts on no area, that one opens its pulley and that the state is beyond the
+    /// tables.
     fn observe(&mut self, remarks: &mut Vec<Message>) {
         let (point, of) = (self.present(), &self.law.parameters);
         let opens = of.opening(&self.inputs, point.closing, self.time);
@@ -101,7 +103,8 @@ impl MapUnit {
             )
         });
         (self.opened, self.outside) = (self.opened | opens.is_some(), self.outside | outside.is_some());
-        remarks.extend([opens, outside].into_iter().flatten().map(Message::warning));
+        let idle = of.idle_pressures(&self.inputs, &mut self.idle, self.time);
+        remarks.extend([idle, opens, outside].into_iter().flatten().map(Message::warning));
         self.readings = self.read(&point);
     }
 
@@ -116,7 +119,9 @@ impl MapUnit {
         let (rate, _) = self.law.shift(point);
         let ([least, most], log_ratio) = (self.law.stops, self.state.log_ratio);
         let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
-        let velocities = point.ways.map(|way| if at_stop { 0.0 } else { way * rate });
+        // As in the detailed unit the sheaves start at rest.
+        let rests = at_stop || self.time == 0.0;
+        let velocities = point.ways.map(|way| if rests { 0.0 } else { way * rate });
         let rubbing = PerPulley::from_fn(|j| of.rubbing(j, velocities[j]));
         let axial = PerPulley {
             primary: match of.primary.axial {
@@ -135,6 +140,7 @@ impl MapUnit {
                 clamping_force_total: axial[j],
                 sheave_velocity: velocities[j],
                 flow: of.cylinder.area * velocities[j],
+                volume: of.cylinder.area * point.positions[j],
                 shaft_torque: -into[j],
                 external_torque: match of.drive {
                     Drive::Torque => given.torque,
@@ -211,7 +217,7 @@ impl Unit for MapUnit {
 
     fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String> {
         let mut unit = Self::blank(settings, experiment)?;
-        unit.initialise(remarks);
+        unit.initialise(remarks)?;
         unit.observe(remarks);
         Ok(unit)
     }
@@ -263,6 +269,7 @@ impl Unit for MapUnit {
             inputs: settings.inputs,
             outside: false,
             opened: false,
+            idle: PerPulley::default(),
             readings: Readings::default(),
         })
     }
@@ -282,6 +289,7 @@ impl Unit for MapUnit {
         archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);
         self.law.parameters.serialize(archive);
+        self.idle.each_mut().into_iter().for_each(|said| archive.flag(said));
         if archive.is_reading() {
             self.readings = self.read(&self.present());
         }

@@ -44,6 +44,20 @@ const INITIAL_DEPENDENCIES: &[InitialDependencies] = &[
     ("solver.defect", &[]),
     ("solver.behind", &[]),
     ("solver.rollbacks", &[]),
+    AT_REST[0],
+    AT_REST[1],
+    AT_REST[2],
+    AT_REST[3],
+    AT_REST[4],
+];
+
+/// Outputs that are zero at the start, where the sheaves are at rest.
+pub const AT_REST: [InitialDependencies; 5] = [
+    ("primary.sheaveVelocity", &[]),
+    ("primary.cylinder.flow", &[]),
+    ("secondary.sheaveVelocity", &[]),
+    ("secondary.cylinder.flow", &[]),
+    ("loss.seals", &[]),
 ];
 
 /// The variable table of the variator.
@@ -89,6 +103,7 @@ macro_rules! pulley_outputs {
             read!("{}.position", 13, Output, Real("m", Range::typical(0.01)), "Displacement of the movable {} sheave, positive when it closes, 0 at ratio 1", $pulley.position),
             read!("{}.sheaveVelocity", 25, Output, Real("m/s", Range::typical(0.01)), "Speed of the movable {} sheave, positive when it closes", $pulley.sheave_velocity),
             read!("{}.cylinder.flow", 24, Output, Real("m3/s", Range::typical(1e-4)), "Flow into the cylinder of the {} pulley, {}.cylinder.area * {}.sheaveVelocity", $pulley.flow),
+            read!("{}.cylinder.volume", 26, Output, Real("m3", Range::typical(1e-4)), "Oil in the cylinder of the {} pulley beyond that at ratio 1, {}.cylinder.area * {}.position. Its change over a step, divided by the step, is the mean flow", $pulley.volume),
             read!("{}.clampingForceTotal", 23, Output, Real("N", Range::typical(1e4)), "Force that closes the {} sheaves at the end of the last step: {}.clampingForce, pressure, spring, rotating oil and seals, or the reaction of a held sheave", $pulley.clamping_force_total),
             read!("{}.axialForce", 14, Output, Real("N", Range::typical(1e4)), "Axial force of the belt on one {} sheave", $pulley.axial_force),
             read!("{}.shaftTorque", 15, Output, Real("N.m", Range::typical(100.0)), "Torque of the belt on the {} pulley, without the drag of the shaft; negative when the shaft drives the belt", $pulley.shaft_torque),
@@ -152,6 +167,7 @@ fn locals<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
     let rows = [
         read!("stored.energy", 18, Local, Real("J", Range::typical(1000.0)), "Kinetic and elastic energy stored in the variator", stored_energy),
         read!("energy.residual", 19, Local, Real("J", Range::typical(1.0)), "Energy residual since the start: supplied - lost - stored", energy_residual),
+        read!("solver.skipped", 37, Local, Real("s", Range::from(0.0).with_nominal(1e-3)), "Time that was left out since the start with solver.mode = RealTime: what a run would be behind beyond 0.02 s", work.skipped),
         read!("initial.found", 23, Local, Choice(StartState), "State from which the run started: the requested one, or the reason for another one", start_state as i32),
     ];
     rows.into_iter().map(|row| row.variable(WHOLE))

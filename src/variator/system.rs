@@ -12,7 +12,7 @@ use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
-use crate::variator::pulleys::loads::{Boundary, Loads, PSEUDO_INERTIA};
+use crate::variator::pulleys::loads::{Boundary, Loads};
 use crate::variator::pulleys::rows::Pulleys;
 use crate::variator::settings::parameters::{Parameters, ParametersInForce};
 use std::sync::Arc;
@@ -66,11 +66,8 @@ impl VariatorSystem {
 
     /// The pulleys: shafts and sheaves.
     pub fn pulleys(&self) -> Pulleys<'_> {
-        let inertia_factor = match self.loads {
-            Loads::Inputs(..) => 1.0,
-            Loads::Steady(_) => PSEUDO_INERTIA,
-        };
-        Pulleys::new(&self.parameters, &self.belt, inertia_factor)
+        let is_steady = matches!(self.loads, Loads::Steady(_));
+        Pulleys::new(&self.parameters, &self.belt, is_steady)
     }
 
     /// Conditions of the pulleys at a time, s.

@@ -46,7 +46,7 @@ fn describe<U: Unit>(version: Version, token: &str) -> Element {
         .child(capabilities::<U>(version))
         .list("UnitDefinitions", table.units.iter().map(unit_definition))
         .list("TypeDefinitions", types)
-        .child(log_categories(version))
+        .child(log_categories())
         .child(default_experiment(&U::IDENTITY))
         .list("ModelVariables", time.into_iter().chain(described))
         .child(model_structure(version, &table))
@@ -132,19 +132,13 @@ fn type_definition(version: Version, enumeration: &Enumeration) -> Element {
     }
 }
 
-/// Categories of the log. Without debug logging FMI 2.0 has warnings and discards too, FMI 3.0 only
-/// errors.
-fn log_categories(version: Version) -> Element {
-    let describe = |category| match (category, version) {
-        (Category::Error, _) => "Why a call failed (always logged)",
-        (Category::Warning, Two) => "What looks wrong but lets the run go on (logged without debug logging too)",
-        (Category::Warning, Three) => "What looks wrong but lets the run go on",
-        (Category::Discard, Two) => {
-            "Why a value was not taken or a step not completed (logged without debug logging too)"
-        }
-        (Category::Discard, Three) => "Why a step could not be completed",
-        (Category::Events, Two) => "What the unit did, e.g. how it found its initial state",
-        (Category::Events, Three) => "What the unit did, e.g. how it found its initial state, and the events of a run",
+/// Categories of the log. All but events are logged without debug logging too.
+fn log_categories() -> Element {
+    let describe = |category| match category {
+        Category::Error => "Why a call failed (always logged)",
+        Category::Warning => "What looks wrong but lets the run go on (logged without debug logging too)",
+        Category::Discard => "Why a value was not taken or a step not completed (logged without debug logging too)",
+        Category::Events => "What the unit did, e.g. how it found its initial state, and the events of a run",
     };
     Element::new("LogCategories").children(Category::ALL.into_iter().map(|category| {
         Element::new("Category")

@@ -1,7 +1,5 @@
 //! Messages to the importer.
 
-use crate::instance::Version;
-
 /// Status of a call, numbered as in the standard; the others, of lost instances and pending calls,
 /// are never returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -58,7 +56,6 @@ pub(crate) type Sink = Box<dyn Fn(Status, Category, &str)>;
 
 /// A sink with a choice of categories.
 pub(crate) struct Log {
-    version: Version,
     sink: Option<Sink>,
     /// Whether the importer switched debug logging on when it created the instance.
     debug: bool,
@@ -68,9 +65,8 @@ pub(crate) struct Log {
 
 impl Log {
     /// A log into `sink`, if there is one.
-    pub fn new(version: Version, sink: Option<Sink>, debug: bool) -> Self {
+    pub fn new(sink: Option<Sink>, debug: bool) -> Self {
         let mut log = Self {
-            version,
             sink,
             debug,
             enabled: Vec::new(),
@@ -85,16 +81,15 @@ impl Log {
     }
 
     /// Chooses what is logged with `debug`: errors and these categories, or all if there is none.
-    /// Without it FMI 2.0 has errors, warnings and discarded steps: they are no debug messages, and
-    /// `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section 2.3.1 of 3.0.2
-    /// forbids any message, but 3.0.3 corrects that. A host that reads none passes no function for
-    /// messages.
+    /// Without it errors, warnings and discards are logged: they are no debug messages, and
+    /// `loggingOn` is about these (section 2.1.5 of FMI 2.0; section 2.3.1 of 3.0.2 forbids any
+    /// message, 3.0.3 corrects that for errors). So a start that was not found is seen. A host that
+    /// reads none passes no function for messages.
     pub fn choose(&mut self, debug: bool, chosen: &[Category]) {
-        self.enabled = match (debug, chosen, self.version) {
-            (false, _, Version::Two) => vec![Category::Error, Category::Warning, Category::Discard],
-            (false, _, Version::Three) => vec![Category::Error],
-            (true, [], _) => Category::ALL.to_vec(),
-            (true, ..) => [chosen, &[Category::Error]].concat(),
+        self.enabled = match (debug, chosen) {
+            (false, _) => vec![Category::Error, Category::Warning, Category::Discard],
+            (true, []) => Category::ALL.to_vec(),
+            (true, _) => [chosen, &[Category::Error]].concat(),
         };
     }
 

@@ -186,3 +186,22 @@ fn an_input_ramps_over_the_whole_step_or_follows_its_derivative() {
     rates.primary.torque = 200.0;
     assert!((speed(70.0, None) - speed(50.0, Some(rates))).abs() < 1e-9);
 }
+
+/// A torque that the belt does not carry: a start without slip, with a warning, or with `initial.strict` an error.
+#[test]
+fn a_torque_beyond_capacity_is_a_warning_or_an_error() {
+    let mut settings = settings();
+    (settings.inputs.primary.torque, settings.inputs.secondary.torque) = (400.0, -400.0);
+    for strict in [false, true] {
+        settings.parameters.initial.strict = strict;
+        let mut remarks = Vec::new();
+        let started = MapUnit::start(&settings, &Experiment::default(), &mut remarks);
+        let warned = remarks
+            .iter()
+            .filter(|remark| remark.text.contains("does not carry"))
+            .count();
+        let error = started.err();
+        assert_eq!((error.is_some(), warned), (strict, usize::from(!strict)));
+        assert!(error.is_none_or(|error| error.contains("does not carry") && error.contains("initial.strict")));
+    }
+}

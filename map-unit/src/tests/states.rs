@@ -8,13 +8,13 @@ use super::{outputs, run, settings, start, step};
 use crate::settings::Settings;
 use crate::unit::MapUnit;
 
-fn written(unit: &mut MapUnit) -> Vec<u8> {
+pub(super) fn written(unit: &mut MapUnit) -> Vec<u8> {
     let mut archive = Archive::writer();
     unit.serialize(&mut archive);
     archive.into_bytes()
 }
 
-fn read(settings: &Settings, bytes: &[u8]) -> Option<MapUnit> {
+pub(super) fn read(settings: &Settings, bytes: &[u8]) -> Option<MapUnit> {
     let mut unit = MapUnit::blank(settings, &Experiment::default()).expect("a blank unit");
     let mut archive = Archive::reader(bytes);
     unit.serialize(&mut archive);

@@ -89,6 +89,7 @@ SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
     "damping": {"N.s/m": 1.0, "kN.s/m N.s/mm": 1e3},
     "impulse": {"N.s": 1.0, "kN.s": 1e3},
     "area": {"m2 m^2": 1.0, "cm2 cm^2": 1e-4, "mm2 mm^2": 1e-6},
+    "volume": {"m3 m^3": 1.0, "cm3 cm^3": 1e-6},
     "flow": {"m3/s m^3/s": 1.0, "l/min": 1e-3 / 60.0},
     "force by squared speed": {"N.s2/rad2 N.s^2/rad^2": 1.0},
     "other": {"l/min l/h lpm cst mm2/s A mA V mV Hz kHz Wh kWh °f degf f dB °ca yyyy-mm-dd hh:mm:ss": 1.0},

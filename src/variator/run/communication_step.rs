@@ -5,6 +5,7 @@ use crate::pulley::Pulley;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
 use crate::variator::run::outcome::{Event, StepError, TimeError};
 use crate::variator::run::stepper::CommunicationStep;
+use crate::variator::run::tuning::REAL_TIME;
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Mode;
 use crate::variator::settings::signals::Inputs;
@@ -32,6 +33,15 @@ impl Variator {
         step.finish(self);
         Ok(())
     }
+}
+
+/// What is said when time is left out for the first time, until a time, s.
+fn left_out(time: f64) -> String {
+    format!(
+        "at {time} s the run is {} s behind the clock, and what is beyond is left out: speeds and ratio lack the effect of the loads over \
+         that time, which solver.skipped adds up; a larger solver.effort, ring.model = ALE0 or smoother inputs avoid it",
+        REAL_TIME.behind
+    )
 }
 
 impl CommunicationStep {
@@ -120,7 +130,10 @@ impl CommunicationStep {
         if stepper.real_time.is_some() {
             simulation.restore(self.profile);
         }
-        variator.work = stepper.output(simulation.time);
+        let before = std::mem::replace(&mut variator.work, stepper.output(simulation.time));
+        if before.skipped == 0.0 && variator.work.skipped > 0.0 {
+            simulation.log(true, left_out(simulation.time));
+        }
         self.count_work(variator);
         variator.report_slip();
         variator.warn(false);

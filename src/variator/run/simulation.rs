@@ -31,6 +31,8 @@ pub(super) struct Simulation {
     /// Work of the search for the state to start from, and the inputs that were given for it.
     pub start_work: Counts,
     pub given: Inputs,
+    /// Why the start is another one than was asked for, and what helps.
+    pub other_start: Option<String>,
     /// Messages that were not yet taken.
     pub messages: Vec<Message>,
 }
@@ -47,6 +49,7 @@ impl Simulation {
             soft_since: f64::NEG_INFINITY,
             start_work: Counts::default(),
             given: Inputs::ZERO,
+            other_start: None,
             messages: Vec::new(),
         }
     }

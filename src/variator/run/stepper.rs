@@ -134,6 +134,7 @@ impl Stepper {
             residuals: output(counts.residuals),
             defect: self.sdirk.newton.left,
             behind: self.real_time.as_ref().map_or(0.0, |run| run.behind(time)),
+            skipped: self.real_time.as_ref().map_or(0.0, |run| run.skipped),
             rollbacks: self.real_time.as_ref().map_or(0, |_| output(counts.rejected)),
         }
     }

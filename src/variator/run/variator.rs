@@ -115,7 +115,10 @@ impl Variator {
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         TimeError::check(None, time)?;
         inputs.validate()?;
-        self.slipped = f64::NEG_INFINITY;
+        (self.slipped, self.hints) = (f64::NEG_INFINITY, Hints::NONE);
+        let parameters = &self.simulation.system.parameters;
+        let idle = parameters.idle_pressures(inputs, &mut self.hints.idle, time);
+        idle.into_iter().for_each(|text| self.simulation.log(true, text));
         self.start_state = self.simulation.find_start(time, inputs)?;
         let simulation = &mut self.simulation;
         simulation.state.y_dot.fill(0.0);
@@ -125,7 +128,7 @@ impl Variator {
         };
         self.stepper = Stepper::new(simulation, first_step);
         self.work = Work::default();
-        (self.pace, self.hints) = (Pace::new(inputs), Hints::NONE);
+        self.pace = Pace::new(inputs);
         simulation.apply(InputProfile::constant(inputs));
         simulation.energy = EnergyBalance::open(&simulation.system, simulation.state.view());
         self.macro_slip = simulation.slips(false);
@@ -207,6 +210,7 @@ impl Variator {
         }
         archive.real(&mut work.defect);
         archive.real(&mut work.behind);
+        archive.real(&mut work.skipped);
         self.pace.serialize(archive);
         self.hints.serialize(archive);
         archive.flag(&mut self.macro_slip);

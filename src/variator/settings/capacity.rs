@@ -171,6 +171,19 @@ impl Parameters {
         ))
     }
 
+    /// The pressures at a time, s, that act on no area, of the pulleys that were not `said` before.
+    pub fn idle_pressures(&self, inputs: &Inputs, said: &mut PerPulley<bool>, time: f64) -> Option<String> {
+        let mut idle = String::new();
+        for j in Pulley::BOTH {
+            let (name, pressure) = (j.name(), inputs.pulley(j).pressure);
+            if !said[j] && pressure != 0.0 && self.pulley(j).cylinder.area == 0.0 {
+                said[j] = true;
+                idle += &format!(" {name}.pressure = {pressure} Pa has no effect, because {name}.cylinder.area is 0;");
+            }
+        }
+        (!idle.is_empty()).then(|| format!("at {time} s{idle} set the area of the piston"))
+    }
+
     /// Name of the variable of a pulley that has this force.
     pub(crate) fn name_of_closing(&self, pulley: Pulley) -> &'static str {
         let is_plain = self.pulley(pulley).cylinder == Cylinder::default();

@@ -108,6 +108,7 @@ pub struct Initial {
     pub primary_speed: f64,
     pub steady: bool,
     pub equilibrium: bool,
+    pub strict: bool,
 }
 
 /// Parameters that the laws use, to which this dereferences, with those that were set. A pull chain has no stack, no layers and no ring that

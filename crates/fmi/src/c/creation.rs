@@ -55,7 +55,7 @@ pub(crate) unsafe fn create<U: Unit>(
             Version::Two => "fmi2Instantiate",
             Version::Three => "fmi3InstantiateCoSimulation",
         };
-        let log = Log::new(version, sink, debug);
+        let log = Log::new(sink, debug);
         let report = |status, category, text: &str| log.send(status, category, &format!("{function}: {text}"));
         let started = start::<U>(version, texts, importer, &|text| {
             report(Status::Warning, Category::Warning, text)

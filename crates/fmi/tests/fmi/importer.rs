@@ -265,7 +265,7 @@ impl<U: Unit> Importer<U> {
         }
     }
 
-    /// An instance without debug logging in FMI 2.0, and with it in FMI 3.0: both log warnings.
+    /// An instance without debug logging in FMI 2.0, and with it in FMI 3.0, which has events.
     pub fn new(version: Version) -> Self {
         Self::handling(version, Handles::default())
     }
