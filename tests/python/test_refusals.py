@@ -90,7 +90,7 @@ DECLARED = ["numpy>=2", 'plotly>=6; extra == "reports"', *(f'pushbelt[reports]; 
 @pytest.mark.parametrize(
     ("words", "extra"),
     [
-        ("calibrate t.csv", "tables"), ("calibrate t.csv --hold-out belt155", "tables"), ("compare t.csv u.csv", "reports"), ("demo", "reports"),
+        ("calibrate t.csv", "tables"), ("calibrate t.csv --hold-out belt155", "tables"), ("compare u.csv v.csv", "reports"), ("demo", "reports"),
         ("drive --cycle nedc", "reports"), ("durability t.csv", "durability"), ("linearize", "reports"), ("maps", "sweep"), ("sweep", "sweep"),
     ],
 )  # fmt: skip
@@ -106,13 +106,12 @@ def test_a_package_of_an_extra_that_is_missing_or_old_is_named_before_anything_r
     monkeypatch.setattr(importlib.metadata, "version", version)
     monkeypatch.chdir(tmp_path)
     Path("t.csv").write_text(TABLE, encoding="utf-8")
-    Path("u.csv").write_text("time [s],slip [1]\n0,0\n1,0.1\n", encoding="utf-8")
-    if words.startswith("compare"):
-        Path("t.csv").write_text("time [s],slip [1]\n0,0\n1,0.2\n", encoding="utf-8")
+    for name in ("u", "v"):
+        Path(f"{name}.csv").write_text(f"time [s],slip [1]\n0,0\n1,{ord(name)}\n", encoding="utf-8")
     assert cli.main([*words.split(), "--fmu", str(fmu)]) == 1
     what = "plotly 5.24.1 is older than 6" if there else "the package plotly is missing"
     assert capsys.readouterr().err == f"pushbelt {words.split()[0]}: {what}: pip install 'pushbelt[{extra}]'\n"
-    assert {path.name for path in tmp_path.iterdir()} == {"t.csv", "u.csv"}
+    assert {path.name for path in tmp_path.iterdir()} == {"t.csv", "u.csv", "v.csv"}
 
 
 def test_what_the_library_lacks_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, coarse: pushbelt.Variator) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 from ..errors import ArgumentError, require, similar
 from ..fmu import cache, flat, start_values
 from ..fmu.data import parameter_set
-from ..fmu.files import DOCS, default_fmu, default_fmu3
+from ..fmu.files import DOCS, default_fmu, found
 from ..fmu.unit import Archive, Instance, UnitError
 from ..fmu.untrusted import described
 from ..maps import unit as map_unit
@@ -23,7 +23,7 @@ from ..maps.data import Maps
 def write_fmu(options: argparse.Namespace) -> int:
     """`pushbelt fmu`: checks the values against the variable table and on the FMU itself, and writes the copy."""
     _check_name(options.copy)
-    fmu = options.fmu or (default_fmu3() if options.fmi3 else default_fmu())
+    fmu = options.fmu or (found("PUSHBELT_FMU3", "PushbeltVariator3.fmu", "cargo fmu build --fmi3") if options.fmi3 else default_fmu())
     _check_version(fmu, options)
     if options.flat and not (options.set or options.variator or options.ssv):
         described(fmu)
@@ -83,7 +83,8 @@ def write_map_fmu(options: argparse.Namespace) -> int:
         raise ArgumentError("--maps and --variator exclude each other: a file of maps has its variator's parameters")
     if options.short and not options.variator:
         raise ArgumentError("--short is for maps that are solved for: it needs --variator")
-    fmu = options.fmu or (map_unit.default_fmu3() if options.fmi3 else map_unit.default_fmu())
+    packed = ("PUSHBELT_MAP_FMU3", "PushbeltMap3.fmu", "cargo fmu build --map --fmi3")
+    fmu = options.fmu or (found(*packed) if options.fmi3 else map_unit.default_fmu())
     description = _check_version(fmu, options)
     if all(one.name != "map.outside" for one in description.modelVariables):
         raise ArgumentError(f"{fmu} is no FMU of maps such as PushbeltMap.fmu")

@@ -23,11 +23,6 @@ def default_fmu() -> Path:
     return found("PUSHBELT_FMU", NAME, "cargo fmu build")
 
 
-def default_fmu3() -> Path:
-    """The same for FMI 3.0, by `PUSHBELT_FMU3`."""
-    return found("PUSHBELT_FMU3", NAME.replace(".", "3."), "cargo fmu build --fmi3")
-
-
 def found(variable: str, name: str, build: str) -> Path:
     """An FMU that an environment variable names, or the one of a name in the wheel or in `target`."""
     named = os.environ.get(variable)

@@ -46,11 +46,6 @@ def default_fmu() -> Path:
     return found("PUSHBELT_MAP_FMU", NAME, "cargo fmu build --map")
 
 
-def default_fmu3() -> Path:
-    """The same for FMI 3.0, by `PUSHBELT_MAP_FMU3`."""
-    return found("PUSHBELT_MAP_FMU3", NAME.replace(".", "3."), "cargo fmu build --map --fmi3")
-
-
 def default_maps() -> Path:
     """Tables of `bench168`, from `cargo fmu maps -- --ratios 8`."""
     return RESOURCES / "maps" / "maps.json"
