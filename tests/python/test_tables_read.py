@@ -164,7 +164,8 @@ HEADERS = {
     "titles over two rows": [PULLEYS, DESCRIPTIONS, UNITS],
 }
 SPANNED = [[row[k] for k in (0, 1, 3, 2, 4, 5, 6)] for row in ROWS]
-HABITS |= {f"header: {name}": joined([[*map(str, row)] for row in [*head, *(SPANNED if "span" in name else ROWS)]], ";") for name, head in HEADERS.items()}
+BELOW = {name: SPANNED if "span" in name else ROWS for name in HEADERS}
+HABITS |= {f"header: {name}": joined([[*map(str, row)] for row in [*head, *BELOW[name]]], ";") for name, head in HEADERS.items()}
 HABITS["header: every title over two lines"] = joined([[f'"{t.replace(" ", chr(10))}"' for t in TITLES], *rows_of()])
 
 
@@ -183,7 +184,8 @@ def test_habits_of_rigs_and_spreadsheets(habit: str, tmp_path: Path) -> None:
         ("KN", "force", 1e3), ("[kN]", "force", 1e3), ("(kN)", "force", 1e3), ("Prozent", "ratio", 0.01), ("pct", "ratio", 0.01),
         ("lbf ft", "torque", 1.3558179483314), ("lbf", "force", POUND), ("klbf", "force", 1e3 * POUND),
         ("N", "force", 1.0), ("bar", "pressure", 1e5), ("MPa", "pressure", 1e6), ("N/mm²", "pressure", 1e6), ("psi", "pressure", 6894.757293168),
-        ("bara", "pressure", 1e5 - 101325.0), ("kg/cm²", "pressure", 98066.5), ("N・m", "torque", 1.0), ("cm²", "area", 1e-4), ("l/min", "flow", 1.0 / 6e4),
+        ("bara", "pressure", 1e5 - 101325.0), ("kg/cm²", "pressure", 98066.5), ("N・m", "torque", 1.0),
+        ("cm²", "area", 1e-4), ("l/min", "flow", 1.0 / 6e4),
         ("mPA", "pressure", None), ("1/s", "speed", None), ("kNm", "force", None), ("", "force", None),
     ],
 )  # fmt: skip
@@ -227,8 +229,8 @@ def test_a_title_close_to_a_known_name_is_a_fault_and_others_are_named_and_ignor
 
 
 @pytest.mark.parametrize(
-    "title", ["F_P指令値 [kN]", "F_P зад [kN]", "F_P* [kN]", "F_P' [kN]", "ΔF_P [kN]", "Messung/F_P [kN]", "AVG_F_P [kN]", "F_P_act [kN]", "F_P (Mean)",
-              "F_P\\ETKC:1"]
+    "title", ["F_P指令値 [kN]", "F_P зад [kN]", "F_P* [kN]", "F_P' [kN]", "ΔF_P [kN]", "Messung/F_P [kN]", "AVG_F_P [kN]", "F_P_act [kN]",
+              "F_P (Mean)", "F_P\\ETKC:1"]
 )  # fmt: skip
 def test_a_title_is_known_whole_and_the_option_that_takes_it_is_printed(title: str, tmp_path: Path) -> None:
     """A command, a difference or a mean is not the measured force. The options are taken as they are."""
@@ -242,14 +244,15 @@ def test_a_title_is_known_whole_and_the_option_that_takes_it_is_printed(title: s
     is_right(points.read(path, Reading(renamed=options(" ".join(rig.sheet.remarks)))))
     # Required ones are in the error, also below other rows.
     path = file(tmp_path, joined([["rig 3"], [title.replace("F_P", name) for name in COLUMNS], ["-", *UNITS[1:]], *rows_of()], ";"))
-    with pytest.raises(TableError, match="no column ratio.geometric or ratio.speed, primary.speed, primary.torque, secondary.clampingForce") as error:
+    with pytest.raises(TableError, match="no column ratio.geometric or ratio.speed, primary.speed, primary.torque") as error:
         points.read(path)
     if "[kN]" not in title:
         is_right(points.read(path, Reading(renamed=options(str(error.value)))))
 
 
 def test_a_single_letter_in_a_foreign_title_is_no_name(tmp_path: Path) -> None:
-    rig = points.read(file(tmp_path, joined([["総変速比i", "油温T", *TITLES[1:]], *([*row[:1], str(k), *row[1:]] for k, row in enumerate(rows_of()))], ";")))
+    rows = [[row[0], str(k), *row[1:]] for k, row in enumerate(rows_of())]
+    rig = points.read(file(tmp_path, joined([["総変速比i", "油温T", *TITLES[1:]], *rows], ";")))
     assert rig.sheet.ignored == ["総変速比i", "油温T"] and len(rig.points) == 12 and rig.points[0].ratio is None
 
 
@@ -356,7 +359,7 @@ def test_rows_of_means_and_extremes_are_no_points(title: str, tmp_path: Path) ->
     assert [fault.line for fault in rig.sheet.left_out] == [14, 15, 16, 17]
 
 
-@pytest.mark.parametrize(("title", "good", "bad"), [("valid", "1", "0"), ("Gültig", "ja", "nein"), ("OK", "true", "false"), ("outlier", "", "x")])
+@pytest.mark.parametrize(("title", "good", "bad"), [("valid", "1", "0"), ("Gültig", "ja", "nein"), ("outlier", "", "x")])
 def test_rows_that_a_column_says_are_not_valid_are_left_out(title: str, good: str, bad: str, tmp_path: Path) -> None:
     rows = [*([*row, good] for row in ROWS), [*ROWS[0], bad]]
     rig = points.read(written(tmp_path / "table.csv", [[*TITLES, title], *rows], ";"))
@@ -366,8 +369,7 @@ def test_rows_that_a_column_says_are_not_valid_are_left_out(title: str, good: st
 
 def test_a_unit_is_no_name_and_a_deviation_has_the_unit_of_its_column(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
-    for head in ([["slip [rpm]"]], [["slip"], ["rpm"]]):
-        rows = [[*top, cell] for top, cell in zip(([*MEASURED[:5]], ["-", "rpm", "Nm", "kN", "kN"]), (one[0] for one in head), strict=False)]
+    for rows in ([[*MEASURED[:5], "slip [rpm]"]], [[*MEASURED[:5], "slip"], ["-", "rpm", "Nm", "kN", "kN", "rpm"]]):
         with pytest.raises(TableError, match="the unit of slip is 1 or %, not rpm"):
             points.read(written(path, [*rows, *(row[:6] for row in LONG)], ";"))
     for titles in (["slip.sd", *MEASURED], ["slip.sd", *MEASURED[:5], "slip", "efficiency"]):
@@ -381,7 +383,7 @@ def test_a_unit_is_no_name_and_a_deviation_has_the_unit_of_its_column(tmp_path: 
 ZIPPED = {"a.txt": "a zip archive", "mimetype": "an OpenDocument file", "xl/workbook.bin": "a binary workbook"}
 OTHERS = [
     (b"\x89HDF\r\n\x1a\n\0\0", "HDF5"), (b"MATLAB 5.0 MAT-file, Platform" + bytes(100), "MATLAB"), (b"TDSm\x0e\0\0\0", "TDMS"),
-    (b'{"n_P": [1, 2]}', "JSON"), (b'\xef\xbb\xbf [\n {"n_P": 1}]', "JSON"), (b"<?xml version='1.0'?><a/>", "XML"), (b"CDF\x01\0", "netCDF"),
+    (b'{"n_P": [1, 2]}', "JSON"), (b'\xef\xbb\xbf [\n {"n_P": 1}]', "JSON"), (b"<?xml ?><a/>", "XML"), (b"CDF\x01\0", "netCDF"),
 ]
 
 

@@ -99,8 +99,8 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
         raise FitError(f"no point has a steady state at the start values: {states[0].reason}")
     if model.exhausted:
         lost = [found.reason for found in states if found.reason is not None]
-        raise FitError(f"{len(lost)} of {len(states)} points have no steady state near the start values ({lost[0] if lost else ''}): are forces "
-                       "and torques in the units of the table, also in pounds?")  # fmt: skip
+        why = f"{len(lost)} of {len(states)} points have no steady state near the start values: {lost[0] if lost else ''}"
+        raise FitError(f"{why}. Are forces and torques in the units of the table, or in pounds?")
     search = Search(model, parameters, place, states)
     # Directions that the data hardly see take most steps of a search, so their parameters wait until the others are fitted.
     waiting, again = _weak(search.slopes), True

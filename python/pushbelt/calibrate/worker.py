@@ -76,7 +76,8 @@ def _started(
     # The forces of a point are whole: cylinders are in them.
     own = {name: value for name, value in parameters.items() if ".cylinder." not in name} | {"initial.equilibrium": False}
     if primary_force is None and (why := capacity.shortfall(own, ratio, point.torque, point.force)):
-        return Found({}, f"no steady state: {why}", 2.0 - capacity.torque_capacity(own, ratio, point.force) / abs(point.torque))
+        # This capacity is that of the secondary pulley. The primary one carries at least about half of it.
+        return Found({}, f"no steady state: {why}", 2.0 - 0.5 * capacity.torque_capacity(own, ratio, point.force) / abs(point.torque))
     values = driven_by_torque(own, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
     if primary_force is not None:
         values |= {"primary.axial": Axial.FORCE, "primary.clampingForce": primary_force, "primary.inertia": SHIFT_INERTIA}

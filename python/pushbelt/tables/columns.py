@@ -118,7 +118,8 @@ COLUMNS: Mapping[str, Column] = {
     ),
     TIME: Column(
         "time", -1e12, 1e19, "time of a sample: of a recorded shift, or of a time series whose plateaus are the points",
-        ("t", "timestamp", "time stamp", "Zeit", "Uhrzeit", "Zeitstempel", "date", "date time", "Datum", "Datum Uhrzeit", "t_rel", "t_abs", "elapsed time",
+        ("t", "timestamp", "time stamp", "Zeit", "Uhrzeit", "Zeitstempel", "date", "date time", "Datum", "Datum Uhrzeit",
+         "t_rel", "t_abs", "elapsed time",
          "relative time", "X_Value", "master", "Sekunden", "seconds", "Messzeit", "Laufzeit", "temps"), "s",
     ),
 }  # fmt: skip

@@ -28,8 +28,8 @@ SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "bl
 LARGEST = 1_000_000_000  # Largest file, bytes
 LEAST_NAMES = 3  # Number of known columns from which a sheet is a table beside another one with the same
 OTHERS = {
-    b"\x89HDF": "an HDF5 file, or MATLAB's of version 7.3", b"MATLAB 5.0": "a MATLAB file", b"TDSm": "a TDMS file", b"CDF": "a netCDF file",
-    b"%PDF": "a PDF", b"\x93NUMPY": "a NumPy file", b"ARROW1": "a Feather file", b"\xd0\xcf\x11\xe0": "an old Excel file",
+    b"\x89HDF": "an HDF5 or new MATLAB file", b"MATLAB 5.0": "a MATLAB file", b"TDSm": "a TDMS file", b"CDF": "a netCDF file",
+    b"\x93NUMPY": "a NumPy file", b"ARROW1": "a Feather file", b"\xd0\xcf\x11\xe0": "an old Excel file",
 }  # fmt: skip
 """Files that are no tables by the bytes with which they start."""
 HEAD = 60  # Rows in which the header is searched
@@ -75,7 +75,7 @@ def read(path: Path, names: Names, sheet: str | None = None, encoding: str | Non
         return _mf4(data, names)
     if data.startswith(b"PAR1"):
         return _parquet(data)
-    kind = next((kind for start, kind in OTHERS.items() if data.startswith(start)), _zipped(data) if data.startswith(b"PK\x03\x04") else None)
+    kind = _zipped(data) if data.startswith(b"PK\x03\x04") else next((OTHERS[start] for start in OTHERS if data.startswith(start)), None)
     if re.match(rb'(?:\xef\xbb\xbf)?\s*(?:[{\[]\s*["{\[\]}]|<(?:[?!]|html))', data[:200], re.IGNORECASE):
         kind = "XML or HTML" if b"<" in data[:10] else "JSON"
     if kind is not None:
@@ -141,7 +141,7 @@ def _text(data: bytes, names: Names, known: str | None) -> Cells:
     breaks = frame.apply(lambda column: column.str.count("\n")).sum(axis=1).to_numpy(dtype=int)
     frame.index = 1 + np.arange(len(frame)) + np.cumsum(breaks) - breaks
     frame = frame.apply(lambda column: column.str.replace(r"\s*\n\s*", " ", regex=True).str.strip())
-    remarks = (f"the text is no UTF-8 and is read as {encoding.upper()}; --encoding names another, such as shift_jis, gbk, euc_kr or cp1251",)
+    remarks = (f"the text is no UTF-8 and is read as {encoding.upper()}; --encoding names another, such as shift_jis or gbk",)
     return Cells(frame[(frame != "").any(axis=1)], name, separator, remarks * guessed)
 
 
@@ -212,7 +212,7 @@ def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
     shown = [name for name in found if name not in hidden]
     if not shown:
         raise TextError(f"all tables are in hidden sheets: --sheet reads one of {', '.join(hidden)}" if found else "the table is empty")
-    own = {name: max((names.known(row) for row in found[name].head()), key=len) for name in shown}
+    own = {name: {split[0][0] for row in found[name].head() for cell in row if (split := names.split(cell))} for name in shown}
     best = max(shown, key=lambda name: max(map(names.count, found[name].head())))
     same = [name for name in shown if len(own[name]) >= LEAST_NAMES and (own[name] <= own[best] or own[name] >= own[best])]
     if len(same) > 1:

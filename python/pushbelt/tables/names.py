@@ -37,7 +37,8 @@ WORDS = {
         "pressure": "pressure oilpressure clampingpressure druck öldruck oeldruck anpressdruck anpreßdruck pression "
         "pressionhuile",
     },
-    "filler": {"": "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on poulie arbre de du"},
+    "filler": {"": "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on poulie "
+        "arbre de du"},
 }
 """Words of titles by what they mean."""
 BARE = {"speed": "primary.speed", "torque": "primary.torque", "clampingForce": "secondary.clampingForce"}
@@ -120,20 +121,14 @@ class Names:
         known = [name for name in self._known if len(name) > 3]
         for spelled in (key(written) for written, _ in self._splits(title)):
             # A sign such as * or Δ is no slip of the pen.
-            if len(spelled) > 3 and re.fullmatch(r"[a-z0-9/äöüß]+", spelled) and (near := difflib.get_close_matches(spelled, known, 1, CLOSE)):
+            plain = len(spelled) > 3 and re.fullmatch(r"[a-z0-9/äöüß]+", spelled)
+            if plain and (near := difflib.get_close_matches(spelled, known, 1, CLOSE)):
                 return self._known[near[0]][0]
         return None
 
     def count(self, cells: Sequence[str]) -> float:
         """Number of different known names among titles, and of mapped ones. One without a pulley counts half, one that an unknown title
         contains a tenth."""
-        return sum(self._known_in(cells).values())
-
-    def known(self, cells: Sequence[str]) -> frozenset[str]:
-        """The known names among titles, and the mapped ones."""
-        return frozenset(name for name, share in self._known_in(cells).items() if share >= 0.5)
-
-    def _known_in(self, cells: Sequence[str]) -> dict[str, float]:
         found: dict[str, float] = {}
         # `rpm` in a row of units is no name.
         for cell in (cell for cell in cells if not units.dimensions(cell)):
@@ -143,7 +138,7 @@ class Names:
                 found[cell] = 1.0
             elif name := self.contained(cell):
                 found.setdefault(name, 0.1)
-        return found
+        return sum(found.values())
 
     def _contained(self, title: str) -> str | None:
         words = re.findall(r"[a-zäöüß0-9]+", next(splits(title))[0].lower().translate(LETTERS))

@@ -69,10 +69,10 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     drifting = [span for span in found if any(_drifts(values, span) for values in raw.to_numpy().T)]
     spans = [(grid[start] - 0.5 * raster, grid[end - 1] + 0.5 * raster) for start, end in found if (start, end) not in drifting]
     reduced, described = _rows(sheet, own_times, spans, time, name, raw.columns)
-    unit = "s" if timed and enough else "rows"
+    unit, length = "s" if timed and enough else "rows", f" and {np.ptp(times[good]):.4g} s" * timed
     unused = len(sheet) - sum(int(((own_times >= start) & (own_times < end)).sum()) for start, end in spans)
     reduced.remarks += [
-        f"a recording of {len(sheet)} rows{f' and {np.ptp(times[good]):.4g} s' * timed}: {len(spans)} plateaus; {unused} rows outside are not used",
+        f"a recording of {len(sheet)} rows{length}: {len(spans)} plateaus; {unused} rows outside are not used",
         *(f"from {grid[start]:.4g} to {grid[end - 1]:.4g} {unit} the channels drift: not used" for start, end in drifting),
         *described,
     ]
@@ -90,7 +90,8 @@ def _clock(times: Array | None, lines: Array, channels: Iterable[Array]) -> tupl
         return None, []
     steps = np.diff(times[good])
     back = steps < 0.0
-    usual = max((float(np.median(np.diff(times[good & np.isfinite(own)]))) for own in channels if (good & np.isfinite(own)).sum() > 1), default=0.0)
+    rasters = [np.diff(times[good & np.isfinite(own)]) for own in channels]
+    usual = max((float(np.median(raster)) for raster in rasters if len(raster)), default=0.0)
     if usual <= 0.0 or back.mean() > BACK:
         return None, ["the times do not ascend: the rows are taken as equally apart"]
     found = times.copy()
@@ -115,10 +116,9 @@ def _together(channels: Iterable[Array]) -> Array:
 
 def _smooth(channels: Iterable[Array]) -> bool:
     """Whether rows that follow each other are closer than rows that are far apart, in most channels that change."""
-    finite = [own for values in channels if len(own := values[np.isfinite(values)]) > 2]
-    pairs = [[np.median(np.abs(own - np.roll(own, shift))[len(own) // 2 :]) for shift in (1, len(own) // 2)] for own in finite]
-    changing = [near < 0.5 * far for near, far in pairs if far > 0.0]
-    return not changing or 2 * sum(changing) >= len(changing)
+    finite = [own for values in channels if len(own := values[np.isfinite(values)]) > 1 and np.ptp(own) > 0.0]
+    closer = [np.median(np.abs(np.diff(own))) < 0.5 * np.median(np.abs(own - np.roll(own, len(own) // 2))) for own in finite]
+    return 2 * sum(closer) >= len(closer)
 
 
 def _plateaus(even: Array, raw: Array, half: int) -> list[tuple[int, int]]:

@@ -28,8 +28,8 @@ MOST = 0.5  # Share of a column's values with a fault from which the whole colum
 SHOWN = 12  # Largest number of faults that an error lists in full
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
 """Titles of columns that count the rows."""
-STATISTICS = frozenset(map(key, "mean average avg median min max minimum maximum mittel mittelwert mittelwerte durchschnitt summe sum total std "
-    "stddev stdev sd sigma stdabw standardabweichung streuung varianz variance range spannweite moyenne écart-type ø".split()))  # fmt: skip
+STATISTICS = frozenset(map(key, "mean average avg median min max minimum maximum mittel mittelwert mittelwerte durchschnitt summe sum "
+    "total std stddev stdev sd sigma stdabw standardabweichung streuung varianz variance range moyenne écart-type ø".split()))  # fmt: skip
 """Words of rows that are computed from other rows."""
 VALID = {key(word): good for words, good in (("valid isvalid validity gültig gueltig ok use used include verwenden valide", True),
          ("invalid ungültig outlier ausreißer exclude excluded reject rejected bad", False)) for word in words.split()}  # fmt: skip
@@ -269,8 +269,10 @@ class _Reader:
     def _ascending(self, decimal: str) -> None:
         """Takes the first unknown column in s or ms, or with a word for time, as the time if it ascends."""
         for place, title in enumerate(self.titles):
-            unit = next((u for u in (*(u for _, u in splits(title) if u), title.strip("[](){} "), self.units[place]) if units.find(u, "time")), "")
-            told = TIMED.search(title.lower()) or (self.units[place] and self.units[place].strip(" []()").lower() in ("s", "ms", "us", "µs"))
+            below = self.units[place]
+            found = (*(unit for _, unit in splits(title) if unit), title.strip("[](){} "), below)
+            unit = next((unit for unit in found if units.find(unit, "time")), "")
+            told = TIMED.search(title.lower()) or below.strip(" []()").lower() in ("s", "ms", "us", "µs")
             if title in self.sheet.ignored and told:
                 one = Taken(title, "time", unit, place, units.find(unit or "s", "time") or Unit(1.0), self.names.columns["time"])
                 times = numerals.seconds(self.body[place], one.scale, decimal)
@@ -281,7 +283,7 @@ class _Reader:
                     return self.sheet.remarks.append(f"{title} ascends and is taken as the time")
 
     def _flagged(self) -> None:
-        """Leaves out rows that are means or extremes of others by a word in an unknown column, and rows that a column says are not valid."""
+        """Leaves out rows that are means or extremes of others by a word, and rows that a column says are not valid."""
         for place, title in enumerate(self.titles):
             label = any(one.place == place and one.name == "name" for one in self.sheet.taken.values())
             if title not in self.sheet.ignored and key(title) not in INDEX and not label:
@@ -380,8 +382,8 @@ class _Reader:
         written = self._unit(place, title, candidates[0], bool(name))
         if not written and candidates[0][0].endswith(DEVIATION):
             base = candidates[0][0].removesuffix(DEVIATION)
-            bases = ((k, other) for k, title in enumerate(self.titles) if title for other in self.names.split(title)[:1] if other[0] == base)
-            written = next((self._unit(k, self.titles[k], other, False) for k, other in bases), "")
+            first = ((k, found[0]) for k, title in enumerate(self.titles) if title and (found := self.names.split(title)))
+            written = next((self._unit(k, self.titles[k], other, False) for k, other in first if other[0] == base), "")
         for name, _ in candidates:
             column = self._column(name)
             if column.dimension == "text":
