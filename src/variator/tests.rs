@@ -61,24 +61,16 @@ fn no_step_with_an_error_that_is_no_number_is_accepted() {
     let mut system = VariatorSystem::new(&parameters);
     let mut energy = EnergyBalance::default();
     let layout = system.belt.layout.clone();
-    let of_cells = system.belt.cells_at[3].each();
-    let pulleys = Pulley::BOTH.map(|j| {
-        [
-            layout.shaft_speed(j),
-            layout.sheave(j),
-            layout.tilt(j, 0),
-            layout.tilt(j, 1),
-        ]
-    });
-    let problem = Problem {
-        system: &mut system,
-        energy: &mut energy,
-    };
+    let [speed, content] = system.belt.cells_at[3].each();
+    let [sheave, shaft] = [layout.sheave(Pulley::Primary), layout.shaft_speed(Pulley::Secondary)];
+    let tilt = layout.tilt(Pulley::Primary, 1);
+    let (system, energy) = (&mut system, &mut energy);
+    let problem = Problem { system, energy };
     let state = State::zero(layout.len());
     let norm = |y: &[f64], q: &[f64]| problem.error_norm(state.view(), y, q);
     let zeros = vec![0.0; layout.len()];
     assert_eq!(norm(&zeros, &zeros), 0.0);
-    for i in pulleys.into_iter().flatten().chain(of_cells).chain([layout.theta()]) {
+    for i in [layout.theta(), sheave, shaft, tilt, speed, content] {
         let mut wrong = zeros.clone();
         wrong[i] = f64::NAN;
         assert!(norm(&wrong, &wrong) > 1.0, "unknown {i}");
