@@ -47,10 +47,10 @@ fn a_start_that_was_not_found_is_a_warning_or_an_error() {
             assert_eq!(importer.exit(), if strict { Error } else { Ok });
             let messages = importer.record.messages.borrow().clone();
             let found = |text: &str| {
-                let mut found = messages.iter().filter(|(.., message)| message.contains(text));
-                let (level, category, _) = found.next().unwrap_or_else(|| panic!("{messages:?}"));
+                let mut found = messages.iter().filter(|message| message.text.contains(text));
+                let message = found.next().unwrap_or_else(|| panic!("{messages:?}"));
                 assert!(found.next().is_none(), "{messages:?}");
-                (*level, category.clone())
+                (message.status, message.category.clone())
             };
             let warning = (1, "logStatusWarning".to_owned());
             assert_eq!(found("primary.cylinder.area is 0"), warning);
