@@ -19,7 +19,7 @@ from pushbelt.tables.columns import EXAMPLES
 from pushbelt.tables.points import Measured, Point
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ("introduction.md", "linear.md", "python.md")
+PAGES = ("introduction.md", "levels.md", "linear.md", "python.md")
 PROGRAM = re.compile(r"```python\n((?:(?!```).)*?)```\n\n(?:It prints:\n\n```\n|prints\n\n```\n|prints `)(.*?)(?=```|`\.)", re.DOTALL)
 
 HEADER = (
@@ -61,12 +61,14 @@ def example_table() -> str:
 
 
 def renewed(page: str) -> str:
-    """A page with what its programs print with the FMU that `PUSHBELT_FMU` names. They share their names."""
+    """A page with what its programs print with the FMU that `PUSHBELT_FMU` names, and with that of maps beside it. They share their names."""
     names: dict[str, Any] = {}
 
     def run(found: re.Match[str]) -> str:
         printed = io.StringIO()
-        code = found[1].replace("target/PushbeltVariator.fmu", Path(os.environ["PUSHBELT_FMU"]).as_posix())
+        fmu = Path(os.environ["PUSHBELT_FMU"])
+        maps = Path(os.environ.get("PUSHBELT_MAP_FMU", fmu.with_name("PushbeltMap.fmu")))
+        code = found[1].replace("target/PushbeltVariator.fmu", fmu.as_posix()).replace("target/PushbeltMap.fmu", maps.as_posix())
         with contextlib.redirect_stdout(printed):
             exec(compile(code, page, "exec"), names)
         # fmpy warns of speed set points that are not wired.

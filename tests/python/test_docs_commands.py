@@ -81,8 +81,9 @@ def test_generated_pages_are_up_to_date(page: str) -> None:
 
 
 @pytest.mark.parametrize("page", page_programs.PAGES)
-def test_programs_of_a_page_print_what_stands_there(page: str, fmu: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_programs_of_a_page_print_what_stands_there(page: str, fmu: Path, map_fmu: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    monkeypatch.setenv("PUSHBELT_MAP_FMU", str(map_fmu))
     monkeypatch.chdir(tmp_path)
     assert page_programs.renewed(page) == (page_programs.DOCS / page).read_text(encoding="utf-8")
 
