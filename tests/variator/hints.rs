@@ -31,11 +31,11 @@ fn a_hopeless_start_is_refused() {
     }
 }
 
-/// Less than half the work that the ladder of torques beyond capacity took.
+/// An eighth of the work that the ladder of torques beyond capacity took.
 #[test]
 fn torques_beyond_capacity_are_not_tried() {
     let (residuals, error) = tried(coarse(RingModel::Ale0), &inputs((50.0, 200.0), (-50.0, 200.0)));
-    assert!(error.is_none() && residuals < 20_000);
+    assert!(error.is_none() && residuals < 5_000, "{residuals} {error:?}");
 }
 
 /// Nothing clamps the belt: its elements leave each other before the run, so that the first step is an ordinary one.

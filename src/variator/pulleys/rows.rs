@@ -14,7 +14,7 @@ use crate::tilt::Tilt;
 use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::mesh::layout::Layout;
-use crate::variator::pulleys::loads::{Boundary, PSEUDO_INERTIA, RATIO_STIFFNESS, RATIO_TIME, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::{Boundary, FORCE_TIME, PSEUDO_INERTIA, RATIO_STIFFNESS, ShaftMode, SheaveMode};
 use crate::variator::settings::parameters::{Parameters, SPEED_LAG};
 
 /// The two pulleys with their shafts.
@@ -225,7 +225,7 @@ impl<'a> Pulleys<'a> {
     /// Law of the tilt of a pulley's sheaves.
     fn tilt_law(&self, pulley: Pulley) -> Tilt {
         let own = self.parameters.pulley(pulley).tilt;
-        let time = if self.is_steady { RATIO_TIME } else { own.time };
+        let time = if self.is_steady { FORCE_TIME } else { own.time };
         Tilt { time, ..own }
     }
 

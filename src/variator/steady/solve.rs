@@ -11,13 +11,13 @@ use crate::solver::newton::Newton;
 use crate::solver::{State, View};
 use crate::variator::belt::Belt;
 use crate::variator::diagnostics::belt::BeltDiagnostics;
-use crate::variator::pulleys::loads::{Boundary, Loads, RATIO_TIME, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::{Boundary, FORCE_TIME, Loads, ShaftMode, SheaveMode};
 use crate::variator::settings::Inputs;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::steady::{
-    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RUN_AWAY,
+    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME, RUN_AWAY,
     STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::variator::system::VariatorSystem;
