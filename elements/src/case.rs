@@ -1,0 +1,236 @@
+//! A case: a belt in a steady state, held at a ratio under a force of the secondary pulley and a share of the torque of full slip.
+
+use crate::law::{Law, Options};
+use crate::machine::Machine;
+use crate::pulleys::{Cone, Shaft};
+use pushbelt::contact::full_slip_torque;
+use pushbelt::variator::settings::{ParameterError, Parameters};
+
+/// What a run is about.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Its name, of files too.
+    pub name: String,
+    /// Parameters of the FMU.
+    pub parameters: Parameters,
+    /// What this model has beside them.
+    pub options: Options,
+    /// Geometric ratio r_S/r_P that the primary cone holds.
+    pub ratio: f64,
+    /// Closing force of the secondary cone, N.
+    pub force: f64,
+    /// Torque of the load over that of full slip, 2 μ F r_S/cos β.
+    pub share: f64,
+    /// Speed of the primary shaft, rad/s.
+    pub speed: f64,
+    /// Duration, s, whose last quarter is the result; `None`: 0.3 s, or 0.5 s in overdrive or below 100 rad/s.
+    pub duration: Option<f64>,
+}
+
+/// Names of ratios.
+pub const RATIOS: [(&str, f64); 5] = [("low", 2.25), ("under", 1.5), ("medium", 1.0), ("over", 0.667), ("od", 0.444)];
+
+/// Speed with which the controller of the ratio settles, 1/s.
+const RATIO_RATE: f64 = 20.0;
+/// Times over which force and torque rise at the start, s.
+const FORCE_RISE: f64 = 0.01;
+const TORQUE_RISE: f64 = 0.02;
+/// Step, s, at 200 rad/s.
+const STEP: f64 = 2.0e-6;
+const STEP_SPEED: f64 = 200.0;
+/// Shares of the torque of full slip that are tried: beyond 1 no belt holds.
+const MOST: f64 = 0.95;
+
+impl Case {
+    /// A case by its name: a ratio and a share, as `medium-0.4`, `od-0`; a ratio may be a number, as `1.02-0`.
+    ///
+    /// # Errors
+    /// The name is none of these.
+    pub fn named(name: &str) -> Result<Self, ParameterError> {
+        let error = || ParameterError::new("CASE", name, "RATIO-SHARE, as medium-0.4; ratios: low, under, medium, over, od or a number");
+        let (ratio, share) = name.split_once('-').ok_or_else(error)?;
+        let known = RATIOS.iter().find(|(word, _)| *word == ratio).map(|(_, value)| *value);
+        let ratio = known.or_else(|| ratio.parse().ok()).ok_or_else(error)?;
+        Ok(Self {
+            name: name.to_owned(),
+            parameters: Parameters::default(),
+            options: Options::default(),
+            ratio,
+            force: 15.0e3,
+            share: share.parse().map_err(|_| error())?,
+            speed: 209.0,
+            duration: None,
+        })
+    }
+
+    /// Checks the values.
+    ///
+    /// # Errors
+    /// A value is out of its range.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        for (name, value, [least, most]) in [
+            ("force", self.force, [100.0, 2.0e5]),
+            ("share", self.share, [-MOST, MOST]),
+            ("speed", self.speed, [1.0, 2.0e3]),
+            ("duration", self.duration(), [1.0e-4, 100.0]),
+            ("step", self.step(), [1.0e-9, 1.0e-4]),
+            ("curvature-damping", self.options.curvature_damping, [0.0, 1.0]),
+            ("film", self.options.oil.floor, [1.0e-9, 1.0e-3]),
+            ("squeeze", self.options.oil.constant, [0.0, 1.0]),
+        ] {
+            if !(least..=most).contains(&value) {
+                return Err(ParameterError::new(name, value, format!("{least} to {most}")));
+            }
+        }
+        let (lowest, highest) = self.parameters.ratio_range();
+        if !(lowest..=highest).contains(&self.ratio) {
+            return Err(ParameterError::new("ratio", self.ratio, format!("{lowest:.4} to {highest:.4}")));
+        }
+        Ok(())
+    }
+
+    /// Duration, s.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        let slow = self.ratio < 0.6 || self.speed < 100.0;
+        self.duration.unwrap_or(if slow { 0.5 } else { 0.3 })
+    }
+
+    /// Time step, s.
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        let fastest = self.speed * (1.0 / self.ratio).max(1.0);
+        self.options.step.unwrap_or(STEP * STEP_SPEED / fastest.max(0.5 * STEP_SPEED))
+    }
+
+    /// Torque of the load on the secondary shaft, N·m.
+    #[must_use]
+    pub fn torque(&self) -> f64 {
+        let radius = self.parameters.pitch_radii(self.ratio).map_or(f64::NAN, |(_, secondary)| secondary);
+        let cos_beta = self.parameters.geometry.wedge_angle.cos();
+        self.share * full_slip_torque(&self.parameters.friction, cos_beta, self.force, radius)
+    }
+
+    /// The unloaded machine at the start: elements with even gaps around arcs and strands, which turn without slip.
+    ///
+    /// # Errors
+    /// A value is out of its range.
+    pub fn start(&self) -> Result<Machine, ParameterError> {
+        self.check()?;
+        let law = Law::new(&self.parameters, &self.options)?;
+        let no_belt = || ParameterError::new("ratio", self.ratio, "one at which the belt closes");
+        let (primary, secondary) = self.parameters.pitch_radii(self.ratio).ok_or_else(no_belt)?;
+        let path = Path::new(law.axes[1], [secondary, primary]);
+        let n = law.count;
+        let points: Vec<_> = (0..n).map(|i| path.at(i as f64 / n as f64 * path.length())).collect();
+        let (r0, tan_beta, offset) = (law.r0, law.wedge[2], law.ring.offset);
+        let ring_over_pitch = law.ring.length / path.length();
+        let mut machine = Machine::new(law, self.parameters.clone(), self.step(), &points);
+        let speed = self.speed * primary;
+        machine.v.fill(speed);
+        machine.w.fill(speed * ring_over_pitch);
+        for (pulley, radius) in machine.pulleys.iter_mut().zip([secondary, primary]) {
+            pulley.omega = speed / radius;
+            pulley.z = 2.0 * (radius - r0) * tan_beta;
+        }
+        debug_assert!(offset >= 0.0);
+        self.drive(&mut machine);
+        Ok(machine)
+    }
+
+    /// Sets what acts on the pulleys at the machine's time: force and torque rise at the start, and the primary cone moves at
+    /// 20 1/s of the error of r_P.
+    pub fn drive(&self, machine: &mut Machine) {
+        let rise = |over: f64| (0.1 + machine.time / over).min(1.0);
+        let loads = &machine.loads;
+        let radius = |j: usize| loads[j].weight[1] / loads[j].weight[0];
+        let speed = if loads.iter().all(|load| load.weight[0] > 0.0) {
+            let excess = (radius(0) / radius(1) / self.ratio).ln();
+            RATIO_RATE * machine.law.wedge[2] * radius(1) * excess
+        } else {
+            0.0
+        };
+        machine.drive = [
+            (Shaft::Torque(-self.torque() * rise(TORQUE_RISE)), Cone::Force(self.force * rise(FORCE_RISE))),
+            (Shaft::Speed, Cone::Speed(speed)),
+        ];
+    }
+}
+
+/// The pitch line of an unloaded belt: arcs and strands, from the leftmost point of S on, clockwise.
+#[derive(Clone, Copy, Debug)]
+pub struct Path {
+    distance: f64,
+    radii: [f64; 2],
+    /// Half of the wrap of S, rad.
+    phi: f64,
+    strand: f64,
+}
+
+impl Path {
+    /// Around pulleys at this distance, with the radii of S and P, m.
+    #[must_use]
+    pub fn new(distance: f64, radii: [f64; 2]) -> Self {
+        let rise = radii[1] - radii[0];
+        Self {
+            distance,
+            radii,
+            phi: (rise / distance).acos(),
+            strand: (distance * distance - rise * rise).sqrt(),
+        }
+    }
+
+    /// Wrap angles of S and P, rad.
+    #[must_use]
+    pub fn wraps(&self) -> [f64; 2] {
+        [2.0 * self.phi, 2.0 * (std::f64::consts::PI - self.phi)]
+    }
+
+    /// Length, m.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        let [s, p] = self.wraps();
+        2.0 * self.strand + s * self.radii[0] + p * self.radii[1]
+    }
+
+    /// The point at the place `xi`, m, from 0 to the length.
+    #[must_use]
+    pub fn at(&self, xi: f64) -> [f64; 2] {
+        let half = 0.5 * self.length();
+        if xi > half {
+            let [x, y] = self.at(2.0 * half - xi);
+            return [x, -y];
+        }
+        let [s, p] = self.radii;
+        let (sin, cos) = self.phi.sin_cos();
+        let behind = xi - s * self.phi;
+        if behind <= 0.0 {
+            let angle = xi / s;
+            [-s * angle.cos(), s * angle.sin()]
+        } else if behind <= self.strand {
+            [-s * cos + behind * sin, s * sin + behind * cos]
+        } else {
+            let angle = self.phi + (behind - self.strand) / p;
+            [self.distance - p * angle.cos(), p * angle.sin()]
+        }
+    }
+
+    /// The place ξ of a point near the line, m.
+    #[must_use]
+    pub fn place(&self, [x, y]: [f64; 2]) -> f64 {
+        let [s, p] = self.radii;
+        // Angles from the leftward direction, clockwise, of the upper half.
+        let angle_s = y.abs().atan2(-x);
+        let angle_p = y.abs().atan2(self.distance - x);
+        let (sin, cos) = self.phi.sin_cos();
+        let along = (x + s * cos) * sin + (y.abs() - s * sin) * cos;
+        let upper = if along <= 0.0 {
+            s * angle_s
+        } else if along <= self.strand {
+            s * self.phi + along
+        } else {
+            s * self.phi + self.strand + p * (angle_p - self.phi)
+        };
+        if y < 0.0 { self.length() - upper } else { upper }
+    }
+}

@@ -1,0 +1,245 @@
+//! Contact of the elements with the sheaves: the law of [`pushbelt::contact`], at each element.
+//!
+//! An element has the length h of its thickness on each of its two flanks, at its rocking edge: penetration
+//! g = z/2 − (ϱ − r_0) tan β − w, opening by tilt w = ϱ (ψ_x cos θ + ψ_y sin θ), closing ġ, sliding v_t = v·e_t − ω ϱ and
+//! v_f = v·e_r cos β + (ż/2 − ẇ − ω ∂w/∂θ) sin β, as there; N and friction f from that law times h. In polar directions
+//!
+//! F_r = 2 [N cos β (tan β + ∂w/∂ϱ) + f_f cos β], F_t = 2 [N cos β ∂w/∂θ/ϱ + f_t];
+//!
+//! on the pulley: axial force N cos β − f_f sin β on each sheave, its moment ϱ (cos θ, sin θ), torque −2 ϱ (f_t + f_f sin β
+//! ∂w/∂θ/ϱ).
+//!
+//! In a step N is linear in ġ, with its damping, and friction is −c (v_t, v_f) with the secant c of the step before. What belt
+//! and pulley get are the forces at the speeds after the step.
+
+use crate::frames::Frames;
+use crate::law::Law;
+use crate::pulleys::Pulley;
+use pushbelt::contact::{FlankMotion, flank_force};
+
+/// Clearance in roughnesses from which a flank doesn't touch: e^−40.
+const APART: f64 = 40.0;
+
+/// Sliding below which the secant of the friction is that at rest, m/s.
+const AT_REST: f64 = 1.0e-9;
+
+/// An element that touches its sheaves.
+#[derive(Clone, Copy, Debug, Default)]
+struct Touch {
+    element: usize,
+    pulley: usize,
+    /// e_r·t and e_r·o.
+    turned: [f64; 2],
+    /// cos θ, sin θ.
+    around: [f64; 2],
+    rho: f64,
+    /// tan β + ∂w/∂ϱ, ∂w/∂θ/ϱ.
+    slopes: [f64; 2],
+    /// Closing and sliding without the element's own speed; with it they are what counts.
+    motion: FlankMotion<f64>,
+    /// Elastic normal force of a flank, N.
+    elastic: f64,
+    /// ∂N/∂g, N/m.
+    stiffness: f64,
+    /// ∂N/∂ġ, N·s/m.
+    damping: f64,
+    /// c, N·s/m.
+    drag: f64,
+}
+
+/// What the belt does to a pulley, and what it loses there.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Load {
+    /// Axial force on a sheave, N.
+    pub axial: f64,
+    /// Torque, N·m.
+    pub torque: f64,
+    /// Moment on a sheave, N·m.
+    pub tilting: [f64; 2],
+    /// Its fall with ψ̇ in the step: xx, xy, yy, N·m·s.
+    pub resistance: [f64; 3],
+    /// Resultant on the belt, N.
+    pub resultant: [f64; 2],
+    /// Sum of the normal forces of a flank, N, and of them times ϱ, N·m.
+    pub weight: [f64; 2],
+    /// Power of friction, W.
+    pub friction: f64,
+    /// Power of damping, W.
+    pub viscous: f64,
+}
+
+/// Forces of the flanks.
+#[derive(Clone, Debug)]
+pub struct Flanks {
+    touches: Vec<Touch>,
+    /// Forces of an element along t and o, N.
+    pub along: Vec<f64>,
+    /// Along o.
+    pub across: Vec<f64>,
+    /// Their fall with V and U: tt, to, oo, N·s/m.
+    pub slope: Vec<[f64; 3]>,
+    /// Normal force of a flank, N, and sliding speed, m/s.
+    pub normal: Vec<f64>,
+    /// Sliding speed, m/s.
+    pub sliding: Vec<f64>,
+}
+
+impl Flanks {
+    /// For `n` elements.
+    #[must_use]
+    pub fn new(n: usize) -> Self {
+        let zero = || vec![0.0; n + 2];
+        Self {
+            touches: Vec::with_capacity(n),
+            along: zero(),
+            across: zero(),
+            slope: vec![[0.0; 3]; n + 2],
+            normal: zero(),
+            sliding: zero(),
+        }
+    }
+
+    /// The law at these places and speeds.
+    pub fn evaluate(&mut self, law: &Law, pulleys: &[Pulley; 2], frames: &Frames, [x, y, v, u]: [&[f64]; 4]) {
+        let [sin_beta, cos_beta, tan_beta] = law.wedge;
+        let middle = 0.5 * (law.axes[0] + law.axes[1]);
+        let apart = -APART * law.contact.roughness;
+        for touch in &self.touches {
+            let i = touch.element;
+            (self.along[i], self.across[i], self.slope[i]) = (0.0, 0.0, [0.0; 3]);
+            (self.normal[i], self.sliding[i]) = (0.0, 0.0);
+        }
+        self.touches.clear();
+        for i in 1..=law.count {
+            let j = usize::from(x[i] > middle);
+            let p = &pulleys[j];
+            let arm = x[i] - law.axes[j];
+            let rho = (arm * arm + y[i] * y[i]).sqrt();
+            let flat = 0.5 * p.z - (rho - law.r0) * tan_beta;
+            if flat + rho * (p.tilt[0].abs() + p.tilt[1].abs()) < apart {
+                continue;
+            }
+            let (cos, sin) = (arm / rho, -y[i] / rho);
+            let opening = p.tilt[0] * cos + p.tilt[1] * sin;
+            let penetration = flat - rho * opening;
+            if penetration < apart {
+                continue;
+            }
+            let slope = p.tilt[1] * cos - p.tilt[0] * sin;
+            let surface = 0.5 * p.z_dot - rho * (p.tilt_rate[0] * cos + p.tilt_rate[1] * sin);
+            let (tx, ty) = (frames.tx[i], frames.ty[i]);
+            let turned = [tx * cos - ty * sin, -ty * cos - tx * sin];
+            let slopes = [tan_beta + opening, slope];
+            let (v_r, v_t) = polar(turned, [v[i], u[i]]);
+            let motion = FlankMotion {
+                penetration,
+                closing: surface - slopes[0] * v_r - slope * v_t,
+                tangential: v_t - p.omega * rho,
+                along_flank: v_r * cos_beta + (surface - p.omega * rho * slope) * sin_beta,
+            };
+            let force = flank_force(&law.contact, &law.friction, cos_beta, &motion);
+            let square = motion.tangential * motion.tangential + motion.along_flank * motion.along_flank;
+            let k = law.contact.stiffness * cos_beta * law.thickness;
+            let drag = if square < AT_REST * AT_REST {
+                k * force.depth * law.friction.pulley / law.friction.velocity
+            } else {
+                -law.thickness
+                    * (force.tangential * motion.tangential + force.along_flank * motion.along_flank)
+                    / square
+            };
+            let stiffness = k * -(-force.depth / law.contact.roughness).exp_m1();
+            let touch = Touch {
+                element: i,
+                pulley: j,
+                turned,
+                around: [cos, sin],
+                rho,
+                slopes,
+                motion,
+                elastic: k * force.depth,
+                stiffness,
+                damping: stiffness * law.contact.damping,
+                drag,
+            };
+            let [along, across] = touch.forces(law, &motion).0;
+            // Fall of the polar forces with the polar speeds.
+            let damped = 2.0 * cos_beta * touch.damping;
+            let rr = damped * slopes[0] * slopes[0] + 2.0 * drag * cos_beta * cos_beta;
+            let rt = damped * slopes[0] * slope;
+            let tt = damped * slope * slope + 2.0 * drag;
+            let [s, c] = turned;
+            (self.along[i], self.across[i]) = (along, across);
+            self.slope[i] = [
+                rr * s * s + 2.0 * rt * s * c + tt * c * c,
+                (rr - tt) * s * c + rt * (c * c - s * s),
+                rr * c * c - 2.0 * rt * s * c + tt * s * s,
+            ];
+            self.normal[i] = touch.elastic;
+            self.sliding[i] = square.sqrt();
+            self.touches.push(touch);
+        }
+    }
+
+    /// What the pulleys get after the speeds have changed by `dv`, `du`.
+    pub fn loads(&self, law: &Law, dt: f64, [dv, du]: [&[f64]; 2]) -> [Load; 2] {
+        let [sin_beta, cos_beta, _] = law.wedge;
+        let mut loads = [Load::default(); 2];
+        for touch in &self.touches {
+            let (r, t) = polar(touch.turned, [dv[touch.element], du[touch.element]]);
+            let motion = FlankMotion {
+                closing: touch.motion.closing - touch.slopes[0] * r - touch.slopes[1] * t,
+                tangential: touch.motion.tangential + t,
+                along_flank: touch.motion.along_flank + r * cos_beta,
+                ..touch.motion
+            };
+            let ([along, across], [normal, tangential, flank]) = touch.forces(law, &motion);
+            let load = &mut loads[touch.pulley];
+            let [cos, sin] = touch.around;
+            let axial = normal * cos_beta - flank * sin_beta;
+            let moment = axial * touch.rho;
+            load.axial += axial;
+            load.torque -= 2.0 * touch.rho * (tangential + flank * sin_beta * touch.slopes[1]);
+            load.tilting[0] += moment * cos;
+            load.tilting[1] += moment * sin;
+            let stiff = (touch.damping + touch.stiffness * dt) * cos_beta + touch.drag * sin_beta * sin_beta;
+            let stiff = stiff * touch.rho * touch.rho;
+            for (sum, part) in load.resistance.iter_mut().zip([cos * cos, cos * sin, sin * sin]) {
+                *sum += stiff * part;
+            }
+            // Polar forces, and from them x and y: e_r = (cos θ, −sin θ), e_t = (−sin θ, −cos θ).
+            let (radial, around) = polar(touch.turned, [along, across]);
+            load.resultant[0] += radial * cos - around * sin;
+            load.resultant[1] -= radial * sin + around * cos;
+            load.weight[0] += touch.elastic;
+            load.weight[1] += touch.elastic * touch.rho;
+            load.friction -= 2.0 * (tangential * motion.tangential + flank * motion.along_flank);
+            load.viscous += 2.0 * touch.damping * cos_beta * motion.closing * motion.closing;
+        }
+        loads
+    }
+
+    /// Penetrations of the flanks that touch, m.
+    pub fn penetrations(&self) -> impl Iterator<Item = f64> + '_ {
+        self.touches.iter().map(|touch| touch.motion.penetration)
+    }
+}
+
+/// Components along e_r and e_t of a vector with components along t and o; the same function leads back.
+#[inline(always)]
+fn polar([s, c]: [f64; 2], [t, o]: [f64; 2]) -> (f64, f64) {
+    (t * s + o * c, t * c - o * s)
+}
+
+impl Touch {
+    /// Forces along t and o, N; and N, f_t, f_f of a flank.
+    #[inline(always)]
+    fn forces(&self, law: &Law, motion: &FlankMotion<f64>) -> ([f64; 2], [f64; 3]) {
+        let cos_beta = law.wedge[1];
+        let normal = self.elastic + self.damping * motion.closing;
+        let (tangential, flank) = (-self.drag * motion.tangential, -self.drag * motion.along_flank);
+        let radial = 2.0 * cos_beta * (normal * self.slopes[0] + flank);
+        let around = 2.0 * (normal * cos_beta * self.slopes[1] + tangential);
+        let [s, c] = self.turned;
+        ([radial * s + around * c, radial * c - around * s], [normal, tangential, flank])
+    }
+}

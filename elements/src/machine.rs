@@ -1,0 +1,398 @@
+//! A belt of single elements on two pulleys, and its step in time.
+//!
+//! A step is linearly implicit, in three sets of equations along the belt: speeds w of the steel (tridiagonal), V of the
+//! elements along the belt (tridiagonal), U across it (the beam's five diagonals). Contact, dampings, oil and friction are linear in the
+//! speeds after the step; each pair of bodies gets the same force.
+
+use crate::flanks::{Flanks, Load};
+use crate::frames::{Chords, Frames, close};
+use crate::cyclic::{Pentadiagonal, Tridiagonal};
+use crate::law::Law;
+use crate::pulleys::{Cone, Pulley, Shaft};
+use crate::ring::Ring;
+use crate::stack::Stack;
+use pushbelt::contact::energy_density;
+use pushbelt::scalar::Real as _;
+use pushbelt::variator::settings::Parameters;
+use pushbelt_archive::Archive;
+
+/// Works and losses since the start, J, in the order of [`Ledger::NAMES`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger(pub [f64; Ledger::NAMES.len()]);
+
+impl Ledger {
+    /// Names of the entries. The first four are works from outside; all others are losses.
+    pub const NAMES: [&str; 16] = [
+        "work.secondary",
+        "work.primary",
+        "work.secondaryCone",
+        "work.primaryCone",
+        "loss.secondarySheaves",
+        "loss.primarySheaves",
+        "loss.flankDamping",
+        "loss.ring",
+        "loss.oil",
+        "loss.pushDamping",
+        "loss.ringDamping",
+        "loss.ringBending",
+        "loss.secondaryDrag",
+        "loss.primaryDrag",
+        "loss.cones",
+        "loss.tilt",
+    ];
+
+    /// Sum of the works from outside.
+    #[must_use]
+    pub fn work(&self) -> f64 {
+        self.0[..4].iter().sum()
+    }
+
+    /// Sum of the losses.
+    #[must_use]
+    pub fn losses(&self) -> f64 {
+        self.0[4..].iter().sum()
+    }
+
+    /// What has been added since an earlier one.
+    #[must_use]
+    pub fn since(&self, before: &Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] - before.0[k]))
+    }
+}
+
+/// Why a run can't go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("element {element} at {time:.6} s: {cause}")]
+pub struct Fault {
+    /// The element, 1 to N.
+    pub element: usize,
+    /// Time, s.
+    pub time: f64,
+    /// What happened.
+    pub cause: String,
+}
+
+/// Speed across the belt at which an element counts as lost, m/s.
+const LOST: f64 = 20.0;
+
+/// The machine.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    /// Constants.
+    pub law: Law,
+    /// Parameters of the pulleys, secondary and primary.
+    pub parameters: Parameters,
+    /// Step, s.
+    pub dt: f64,
+    /// Time, s.
+    pub time: f64,
+    /// Rocking edges, m.
+    pub x: Vec<f64>,
+    /// y.
+    pub y: Vec<f64>,
+    /// Speeds of the elements along t and o, m/s.
+    pub v: Vec<f64>,
+    /// Along o.
+    pub u: Vec<f64>,
+    /// Speed of the steel, m/s.
+    pub w: Vec<f64>,
+    /// Place of the nodes in the steel, m.
+    pub s: Vec<f64>,
+    /// Frames.
+    pub frames: Frames,
+    /// Chords between rocking edges.
+    pub chords: Chords,
+    /// Forces of the ring.
+    pub ring: Ring,
+    /// Forces of the gaps.
+    pub stack: Stack,
+    /// Forces of the flanks.
+    pub flanks: Flanks,
+    /// Secondary and primary pulley.
+    pub pulleys: [Pulley; 2],
+    /// What acts on them.
+    pub drive: [(Shaft, Cone); 2],
+    /// Loads of the belt on them in the last step.
+    pub loads: [Load; 2],
+    /// Closing forces in the last step, N.
+    pub closing: [f64; 2],
+    /// Works and losses.
+    pub ledger: Ledger,
+    changes: [Vec<f64>; 3],
+    rows: [Vec<f64>; 3],
+    three: Tridiagonal,
+    five: Pentadiagonal,
+}
+
+impl Machine {
+    /// A machine whose elements are at the points of a closed line, in the order of travel, at rest; `s` of the nodes such that the steel
+    /// has the same strain everywhere.
+    #[must_use]
+    pub fn new(law: Law, parameters: Parameters, dt: f64, points: &[[f64; 2]]) -> Self {
+        let n = law.count;
+        let zero = || vec![0.0; n + 2];
+        let mut machine = Self {
+            parameters,
+            dt,
+            time: 0.0,
+            x: zero(),
+            y: zero(),
+            v: zero(),
+            u: zero(),
+            w: zero(),
+            s: zero(),
+            frames: Frames::new(n),
+            chords: Chords::new(n),
+            ring: Ring::new(n),
+            stack: Stack::new(n),
+            flanks: Flanks::new(n),
+            pulleys: [Pulley::default(); 2],
+            drive: [(Shaft::Torque(0.0), Cone::Held); 2],
+            loads: [Load::default(); 2],
+            closing: [0.0; 2],
+            ledger: Ledger::default(),
+            changes: [zero(), zero(), zero()],
+            rows: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
+            three: Tridiagonal::new(n),
+            five: Pentadiagonal::new(n),
+            law,
+        };
+        for (i, [x, y]) in points.iter().enumerate().take(n) {
+            (machine.x[i + 1], machine.y[i + 1]) = (*x, *y);
+        }
+        machine.place();
+        machine.frames.turn.fill(0.0);
+        machine.ring.place(&machine.law, &machine.frames, [&machine.x, &machine.y]);
+        let length = &machine.ring.chords.length;
+        let per_chord = machine.law.ring.length / length[1..=n].iter().sum::<f64>();
+        let mut place = 0.0;
+        for i in 1..=n {
+            machine.s[i] = place;
+            place += length[i] * per_chord;
+        }
+        machine
+    }
+
+    /// Copies, chords and frames.
+    fn place(&mut self) {
+        close(&mut self.x);
+        close(&mut self.y);
+        self.chords.evaluate(&self.x, &self.y);
+        self.frames.evaluate(&self.chords);
+    }
+
+    /// One step.
+    pub fn step(&mut self) {
+        let (n, dt) = (self.law.count, self.dt);
+        let per_step = 1.0 / dt;
+        self.place();
+        for speeds in [&mut self.v, &mut self.u, &mut self.w] {
+            close(speeds);
+        }
+        (self.s[0], self.s[n + 1]) = (self.s[n] - self.law.ring.length, self.s[1] + self.law.ring.length);
+        let law = &self.law;
+        self.ring.place(law, &self.frames, [&self.x, &self.y]);
+        self.stack.evaluate(law, dt, &self.chords, &self.frames, [&self.v, &self.u]);
+        self.ring.evaluate(law, dt, &self.frames, [&self.v, &self.u, &self.w, &self.s]);
+        self.flanks.evaluate(law, &self.pulleys, &self.frames, [&self.x, &self.y, &self.v, &self.u]);
+
+        let [dw, dv, du] = &mut self.changes;
+        let [diagonal, off, right] = &mut self.rows;
+        self.ring.rows(law, dt, &self.frames, [&self.v, &self.u, &self.w], [diagonal, off, right]);
+        self.three.solve(diagonal, off, right);
+        spread(right, dw, &mut self.w);
+        self.ring.correct(law, dt, &self.frames, [&self.v, &self.w, dw]);
+
+        for k in 0..n {
+            let i = k + 1;
+            let (tx, ty) = (self.frames.tx[i], self.frames.ty[i]);
+            let along = |c: usize| self.stack.push[c] * (self.chords.x[c] * tx + self.chords.y[c] * ty);
+            let omega = self.frames.turn[i] * per_step;
+            diagonal[k] = law.mass * per_step + self.stack.slope[i] + self.stack.slope[i - 1] + self.flanks.slope[i][0];
+            off[k] = -self.stack.slope[i];
+            right[k] = along(i - 1) - along(i) + self.flanks.along[i] + self.ring.drag[i] - law.mass * self.u[i] * omega;
+        }
+        self.three.solve(diagonal, off, right);
+        spread(right, dv, &mut self.v);
+        for c in 0..=n {
+            let change = dv[c + 1] - dv[c];
+            self.stack.push[c] -= self.stack.slope[c] * change;
+            self.stack.rate[c] += change;
+        }
+
+        let couple = 0.5 * law.ring.lever / law.thickness;
+        for k in 0..n {
+            let i = k + 1;
+            let (tx, ty) = (self.frames.tx[i], self.frames.ty[i]);
+            let across = |c: usize| self.stack.push[c] * (self.chords.y[c] * tx - self.chords.x[c] * ty);
+            let omega = self.frames.turn[i] * per_step;
+            let [_, mixed, own] = self.flanks.slope[i];
+            diagonal[k] = (law.mass + self.ring.mass[i]) * per_step + own;
+            right[k] = across(i - 1) - across(i) + self.ring.across[i] + self.flanks.across[i] - mixed * dv[i]
+                + couple * (self.ring.drag[i + 1] - self.ring.drag[i - 1])
+                + law.mass * self.v[i] * omega
+                + self.ring.mass[i] * self.w[i] * self.ring.turn[i];
+        }
+        let bending = (dt + law.ring.curvature_damping) * law.ring.bending_stiffness / law.thickness.powi(3);
+        self.five.solve(diagonal, bending, right);
+        spread(right, du, &mut self.u);
+
+        self.loads = self.flanks.loads(law, dt, [dv, du]);
+        self.book();
+        self.advance();
+    }
+
+    /// Moves elements, nodes and pulleys by the speeds after the step.
+    fn advance(&mut self) {
+        let (n, dt, e) = (self.law.count, self.dt, self.law.ring.offset);
+        let per_step = 1.0 / dt;
+        for i in 1..=n {
+            let turn = self.frames.turn[i];
+            let half = 0.5 * turn;
+            let cos = 1.0 - 0.5 * half * half;
+            // t' = t cos − o sin, o' = o cos + t sin.
+            let (v, u) = (self.v[i] * cos + self.u[i] * half, self.u[i] * cos - self.v[i] * half);
+            let (tx, ty) = (self.frames.tx[i], self.frames.ty[i]);
+            self.x[i] += dt * (v * tx - u * ty);
+            self.y[i] += dt * (v * ty + u * tx);
+            let stretch = (self.ring.chords.length[i] + self.ring.chords.length[i - 1])
+                / (self.ring.steel[i] + self.ring.steel[i - 1]);
+            self.s[i] += dt * (self.v[i] + e * turn * per_step - self.w[i]) / stretch;
+        }
+        let parameters = [&self.parameters.secondary, &self.parameters.primary];
+        for j in 0..2 {
+            let (work, closing) = self.pulleys[j].step(parameters[j], &self.loads[j], self.drive[j], dt);
+            self.closing[j] = closing;
+            self.ledger.0[j] += work.shaft;
+            self.ledger.0[2 + j] += work.cone;
+            self.ledger.0[12 + j] += work.drag;
+            self.ledger.0[14] += work.damping;
+            self.ledger.0[15] += work.tilt;
+        }
+        self.time += dt;
+    }
+
+    /// Adds the losses of the step.
+    fn book(&mut self) {
+        let (n, law) = (self.law.count, &self.law);
+        let (mut drag, mut oil, mut push, mut stretch, mut bend) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for i in 1..=n {
+            let ring = &self.ring;
+            drag += if ring.friction[i] > 0.0 { ring.drag[i] * ring.drag[i] / ring.friction[i] } else { 0.0 };
+            let rate = self.stack.rate[i] * self.stack.rate[i];
+            oil += self.stack.oil[i] * rate;
+            push += self.stack.damping[i] * rate;
+            stretch += ring.rate[i] * ring.rate[i] / ring.steel[i];
+            bend += ring.angle_rate[i] * ring.angle_rate[i] / ring.mass[i];
+        }
+        let ring = &law.ring;
+        stretch *= ring.axial_stiffness * ring.damping;
+        bend *= ring.bending_stiffness * ring.curvature_damping * ring.mass_per_length;
+        let viscous = self.loads[0].viscous + self.loads[1].viscous;
+        let powers = [self.loads[0].friction, self.loads[1].friction, viscous, drag, oil, push, stretch, bend];
+        for (entry, power) in self.ledger.0[4..12].iter_mut().zip(powers) {
+            *entry += self.dt * power;
+        }
+    }
+
+    /// Stored energy by part, J: motion of elements and ring, stack, stretch, bending, flanks, pulleys.
+    #[must_use]
+    pub fn energies(&self) -> [f64; 6] {
+        let (n, law) = (self.law.count, &self.law);
+        let mut parts = [0.0; 6];
+        for i in 1..=n {
+            let (v, u, w) = (self.v[i], self.u[i], self.w[i]);
+            parts[0] += 0.5 * (law.mass * (v * v + u * u) + self.ring.mass[i] * (w * w + u * u));
+            parts[1] += Stack::energy(law, self.chords.length[i]);
+            let strain = self.ring.chords.length[i] / self.ring.steel[i] - 1.0;
+            parts[2] += 0.5 * law.ring.axial_stiffness * strain * strain * self.ring.steel[i];
+            parts[3] += 0.5 * law.ring.bending_stiffness * self.ring.angle[i].powi(2) * law.ring.mass_per_length
+                / self.ring.mass[i];
+        }
+        for penetration in self.flanks.penetrations() {
+            let [depth, ..] = penetration.soft_plus(law.contact.roughness);
+            parts[4] += 2.0 * law.thickness * energy_density(&law.contact, law.wedge[1], penetration, depth);
+        }
+        let of = [&self.parameters.secondary, &self.parameters.primary];
+        for j in 0..2 {
+            parts[5] += self.pulleys[j].energy(of[j], self.drive[j].0);
+        }
+        parts
+    }
+
+    /// Checks the state.
+    ///
+    /// # Errors
+    /// An element has left the belt, a gap is wider than an element is thick, the step was too large, or a cone is at its stop.
+    pub fn check(&self) -> Result<(), Fault> {
+        let fault = |element: usize, cause: String| Fault {
+            element,
+            time: self.time,
+            cause,
+        };
+        for i in 1..=self.law.count {
+            let state = [self.x[i], self.y[i], self.v[i], self.u[i], self.w[i], self.s[i]];
+            if state.iter().any(|value| !value.is_finite()) {
+                let cause = format!("its state is no number; a step smaller than {} s may do", self.dt);
+                return Err(fault(i, cause));
+            }
+            if self.u[i].abs() > LOST {
+                let cause = format!(
+                    "it leaves the belt at {:.1} m/s; a step smaller than {} s may hold it",
+                    self.u[i], self.dt
+                );
+                return Err(fault(i, cause));
+            }
+            if self.chords.length[i] > 2.0 * self.law.thickness || self.chords.length[i] < 0.9 * self.law.thickness {
+                let gap = 1e3 * (self.chords.length[i] - self.law.thickness);
+                return Err(fault(i, format!("the gap behind it is {gap:.3} mm: the belt is torn or the step too large")));
+            }
+        }
+        let of = [&self.parameters.secondary, &self.parameters.primary];
+        for (j, name) in ["secondary", "primary"].into_iter().enumerate() {
+            if self.pulleys[j].is_at_stop(of[j], self.law.r0, self.law.wedge[2]) && self.drive[j].1 != Cone::Held {
+                let most = |i: &usize, k: &usize| self.x[*i].total_cmp(&self.x[*k]);
+                let elements = 1..=self.law.count;
+                let at = if j == 0 { elements.min_by(most) } else { elements.max_by(most) };
+                return Err(fault(at.unwrap_or(1), format!("the {name} sheaves reach their stop: no steady state")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes what changes in a run to an archive, or reads it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        archive.real(&mut self.time);
+        archive.real(&mut self.dt);
+        let (ring, frames) = (&mut self.ring, &mut self.frames);
+        for values in [
+            &mut self.x,
+            &mut self.y,
+            &mut self.v,
+            &mut self.u,
+            &mut self.w,
+            &mut self.s,
+            &mut frames.tx,
+            &mut frames.ty,
+            &mut ring.contact,
+        ] {
+            archive.reals(values);
+        }
+        for p in &mut self.pulleys {
+            for value in [&mut p.omega, &mut p.z, &mut p.z_dot].into_iter().chain(&mut p.tilt).chain(&mut p.tilt_rate) {
+                archive.real(value);
+            }
+        }
+        archive.reals(&mut self.ledger.0);
+    }
+}
+
+/// Adds a solution to the speeds, and keeps it with its copies.
+fn spread(solution: &[f64], change: &mut [f64], speeds: &mut [f64]) {
+    let n = solution.len();
+    change[1..=n].copy_from_slice(solution);
+    close(change);
+    for (speed, change) in speeds.iter_mut().zip(change.iter()) {
+        *speed += change;
+    }
+}

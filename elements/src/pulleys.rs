@@ -1,0 +1,136 @@
+//! Shafts, cones and their tilt.
+//!
+//! J ω̇ = T + torque of the belt − drag; m_z z̈ = F − axial force − d_z ż; tilt of a sheave (M/a)(ψ + τ ψ̇) = moment, by
+//! [`pushbelt::tilt`]. The last is implicit in ψ̇, since the contact is stiffer than the sheave. Both sheaves of a pulley tilt alike.
+//! Cylinders, seals and the springs of end stops are not in this model: a cone that reaches an end stop ends the run.
+
+use crate::flanks::Load;
+use pushbelt::pulley::Travel;
+use pushbelt::variator::settings::PulleyParameters;
+
+/// State of a pulley.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pulley {
+    /// ω, rad/s.
+    pub omega: f64,
+    /// Closing z of the sheaves, m: 0 at ratio 1, unloaded.
+    pub z: f64,
+    /// ż, m/s.
+    pub z_dot: f64,
+    /// ψ_x, ψ_y, rad.
+    pub tilt: [f64; 2],
+    /// Their rates, rad/s.
+    pub tilt_rate: [f64; 2],
+}
+
+/// What acts on a shaft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shaft {
+    /// The speed stays.
+    Speed,
+    /// A torque, N·m.
+    Torque(f64),
+}
+
+/// What acts on a cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cone {
+    /// It stands.
+    Held,
+    /// A closing force, N.
+    Force(f64),
+    /// It moves at this speed, m/s, whatever force that takes.
+    Speed(f64),
+}
+
+/// Work on a pulley and its losses in a step, J.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Work {
+    /// At the shaft.
+    pub shaft: f64,
+    /// On the cone.
+    pub cone: f64,
+    /// By drag of the shaft.
+    pub drag: f64,
+    /// By damping of the cone.
+    pub damping: f64,
+    /// By relaxation of the tilt.
+    pub tilt: f64,
+}
+
+impl Pulley {
+    /// A step under the belt's load. Returns the work, and the closing force that it took.
+    pub fn step(&mut self, of: &PulleyParameters, load: &Load, (shaft, cone): (Shaft, Cone), dt: f64) -> (Work, f64) {
+        let drag = of.drag.at(self.omega, load.resultant).torque;
+        let before = self.omega;
+        let torque = match shaft {
+            Shaft::Speed => drag - load.torque,
+            Shaft::Torque(torque) => {
+                self.omega += dt / of.inertia * (torque + load.torque - drag);
+                torque
+            }
+        };
+        let omega = 0.5 * (before + self.omega);
+        let before = self.z_dot;
+        self.z_dot = match cone {
+            Cone::Held => 0.0,
+            Cone::Speed(speed) => speed,
+            Cone::Force(force) => {
+                let inertia = of.sheave_mass / dt;
+                (inertia * before + force - load.axial) / (inertia + of.sheave_damping)
+            }
+        };
+        let closing = load.axial + of.sheave_damping * self.z_dot + of.sheave_mass / dt * (self.z_dot - before);
+        let middle = 0.5 * (before + self.z_dot);
+        self.z += dt * self.z_dot;
+        let tilt = self.tilt_step(of, load, dt);
+        let work = Work {
+            shaft: dt * torque * omega,
+            cone: dt * closing * middle,
+            drag: dt * drag * omega,
+            damping: dt * of.sheave_damping * self.z_dot * middle,
+            tilt,
+        };
+        (work, closing)
+    }
+
+    /// ψ̇ from s (ψ + (τ + Δt) ψ̇) + G (ψ̇ − ψ̇₀) = m. Returns the work lost, J.
+    fn tilt_step(&mut self, of: &PulleyParameters, load: &Load, dt: f64) -> f64 {
+        if of.tilt.is_rigid() {
+            return 0.0;
+        }
+        let secant = of.tilt.secant(self.tilt);
+        let [xx, xy, yy] = load.resistance;
+        let old = self.tilt_rate;
+        let right = [
+            load.tilting[0] - secant * self.tilt[0] + xx * old[0] + xy * old[1],
+            load.tilting[1] - secant * self.tilt[1] + xy * old[0] + yy * old[1],
+        ];
+        let own = secant * (of.tilt.time + dt);
+        let (a, d) = (own + xx, own + yy);
+        let determinant = a * d - xy * xy;
+        self.tilt_rate = [
+            (d * right[0] - xy * right[1]) / determinant,
+            (a * right[1] - xy * right[0]) / determinant,
+        ];
+        for axis in 0..2 {
+            self.tilt[axis] += dt * self.tilt_rate[axis];
+        }
+        2.0 * dt * of.tilt.loss(self.tilt, self.tilt_rate)
+    }
+
+    /// Stored energy, J, without that of a shaft whose speed is given.
+    #[must_use]
+    pub fn energy(&self, of: &PulleyParameters, shaft: Shaft) -> f64 {
+        let turning = if shaft == Shaft::Speed { 0.0 } else { 0.5 * of.inertia * self.omega * self.omega };
+        let tilt = if of.tilt.is_rigid() { 0.0 } else { 2.0 * of.tilt.energy(self.tilt) };
+        turning + tilt + 0.5 * of.sheave_mass * self.z_dot * self.z_dot
+    }
+
+    /// Whether the cone is beyond an end stop.
+    #[must_use]
+    pub fn is_at_stop(&self, of: &PulleyParameters, r0: f64, tan_beta: f64) -> bool {
+        let travel = Travel::new((of.min_radius, of.max_radius), r0, tan_beta);
+        !(travel.open..=travel.closed).contains(&self.z)
+    }
+}
