@@ -28,7 +28,13 @@ pub struct Case {
 }
 
 /// Names of ratios.
-pub const RATIOS: [(&str, f64); 5] = [("low", 2.25), ("under", 1.5), ("medium", 1.0), ("over", 0.667), ("od", 0.444)];
+pub const RATIOS: [(&str, f64); 5] = [
+    ("low", 2.25),
+    ("under", 1.5),
+    ("medium", 1.0),
+    ("over", 0.667),
+    ("od", 0.444),
+];
 
 /// Speed with which the controller of the ratio settles, 1/s.
 const RATIO_RATE: f64 = 20.0;
@@ -47,7 +53,13 @@ impl Case {
     /// # Errors
     /// The name is none of these.
     pub fn named(name: &str) -> Result<Self, ParameterError> {
-        let error = || ParameterError::new("CASE", name, "RATIO-SHARE, as medium-0.4; ratios: low, under, medium, over, od or a number");
+        let error = || {
+            ParameterError::new(
+                "CASE",
+                name,
+                "RATIO-SHARE, as medium-0.4; ratios: low, under, medium, over, od or a number",
+            )
+        };
         let (ratio, share) = name.split_once('-').ok_or_else(error)?;
         let known = RATIOS.iter().find(|(word, _)| *word == ratio).map(|(_, value)| *value);
         let ratio = known.or_else(|| ratio.parse().ok()).ok_or_else(error)?;
@@ -84,7 +96,11 @@ impl Case {
         }
         let (lowest, highest) = self.parameters.ratio_range();
         if !(lowest..=highest).contains(&self.ratio) {
-            return Err(ParameterError::new("ratio", self.ratio, format!("{lowest:.4} to {highest:.4}")));
+            return Err(ParameterError::new(
+                "ratio",
+                self.ratio,
+                format!("{lowest:.4} to {highest:.4}"),
+            ));
         }
         Ok(())
     }
@@ -100,13 +116,18 @@ impl Case {
     #[must_use]
     pub fn step(&self) -> f64 {
         let fastest = self.speed * (1.0 / self.ratio).max(1.0);
-        self.options.step.unwrap_or(STEP * STEP_SPEED / fastest.max(0.5 * STEP_SPEED))
+        self.options
+            .step
+            .unwrap_or(STEP * STEP_SPEED / fastest.max(0.5 * STEP_SPEED))
     }
 
     /// Torque of the load on the secondary shaft, N·m.
     #[must_use]
     pub fn torque(&self) -> f64 {
-        let radius = self.parameters.pitch_radii(self.ratio).map_or(f64::NAN, |(_, secondary)| secondary);
+        let radius = self
+            .parameters
+            .pitch_radii(self.ratio)
+            .map_or(f64::NAN, |(_, secondary)| secondary);
         let cos_beta = self.parameters.geometry.wedge_angle.cos();
         self.share * full_slip_torque(&self.parameters.friction, cos_beta, self.force, radius)
     }
@@ -123,7 +144,7 @@ impl Case {
         let path = Path::new(law.axes[1], [secondary, primary]);
         let n = law.count;
         let points: Vec<_> = (0..n).map(|i| path.at(i as f64 / n as f64 * path.length())).collect();
-        let (r0, tan_beta, offset) = (law.r0, law.wedge[2], law.ring.offset);
+        let (r0, tan_beta) = (law.r0, law.wedge[2]);
         let ring_over_pitch = law.ring.length / path.length();
         let mut machine = Machine::new(law, self.parameters.clone(), self.step(), &points);
         let speed = self.speed * primary;
@@ -133,7 +154,6 @@ impl Case {
             pulley.omega = speed / radius;
             pulley.z = 2.0 * (radius - r0) * tan_beta;
         }
-        debug_assert!(offset >= 0.0);
         self.drive(&mut machine);
         Ok(machine)
     }
@@ -151,7 +171,10 @@ impl Case {
             0.0
         };
         machine.drive = [
-            (Shaft::Torque(-self.torque() * rise(TORQUE_RISE)), Cone::Force(self.force * rise(FORCE_RISE))),
+            (
+                Shaft::Torque(-self.torque() * rise(TORQUE_RISE)),
+                Cone::Force(self.force * rise(FORCE_RISE)),
+            ),
             (Shaft::Speed, Cone::Speed(speed)),
         ];
     }
@@ -178,6 +201,12 @@ impl Path {
             phi: (rise / distance).acos(),
             strand: (distance * distance - rise * rise).sqrt(),
         }
+    }
+
+    /// Radii of S and P, m.
+    #[must_use]
+    pub fn radii(&self) -> [f64; 2] {
+        self.radii
     }
 
     /// Wrap angles of S and P, rad.

@@ -16,6 +16,7 @@ use crate::frames::Frames;
 use crate::law::Law;
 use crate::pulleys::Pulley;
 use pushbelt::contact::{FlankMotion, flank_force};
+use pushbelt::scalar::{LANES, Lanes, Real as _};
 
 /// Clearance in roughnesses from which a flank doesn't touch: e^−40.
 const APART: f64 = 40.0;
@@ -101,27 +102,71 @@ impl Flanks {
 
     /// The law at these places and speeds.
     pub fn evaluate(&mut self, law: &Law, pulleys: &[Pulley; 2], frames: &Frames, [x, y, v, u]: [&[f64]; 4]) {
-        let [sin_beta, cos_beta, tan_beta] = law.wedge;
-        let middle = 0.5 * (law.axes[0] + law.axes[1]);
-        let apart = -APART * law.contact.roughness;
         for touch in &self.touches {
             let i = touch.element;
             (self.along[i], self.across[i], self.slope[i]) = (0.0, 0.0, [0.0; 3]);
             (self.normal[i], self.sliding[i]) = (0.0, 0.0);
         }
         self.touches.clear();
+        self.find(law, pulleys, frames, [x, y, v, u]);
+        let cos_beta = law.wedge[1];
+        for pack in self.touches.chunks_mut(LANES) {
+            let lane = |of: &dyn Fn(&FlankMotion<f64>) -> f64| {
+                Lanes::new(std::array::from_fn(|k| of(&pack[k.min(pack.len() - 1)].motion)))
+            };
+            let motion = FlankMotion {
+                penetration: lane(&|m| m.penetration),
+                // With unit damping, the viscous force is ∂N/∂g.
+                closing: Lanes::from(1.0),
+                tangential: lane(&|m| m.tangential),
+                along_flank: lane(&|m| m.along_flank),
+            };
+            let force = flank_force(&law.unit_damped, &law.friction, cos_beta, &motion);
+            let square = motion.tangential * motion.tangential + motion.along_flank * motion.along_flank;
+            let at_rest =
+                force.depth * (law.contact.stiffness * cos_beta * law.friction.pulley / law.friction.velocity);
+            let power = force.tangential * motion.tangential + force.along_flank * motion.along_flank;
+            let moving = -power * (square + f64::MIN_POSITIVE).recip();
+            let drag = (square - AT_REST * AT_REST).if_positive(moving, at_rest) * law.thickness;
+            let elastic = force.depth * (law.contact.stiffness * cos_beta * law.thickness);
+            let stiffness = force.viscous * law.thickness;
+            let sliding = square.sqrt().to_array();
+            let [drag, elastic, stiffness] = [drag, elastic, stiffness].map(Lanes::to_array);
+            for (k, touch) in pack.iter_mut().enumerate() {
+                (touch.drag, touch.elastic, touch.stiffness) = (drag[k], elastic[k], stiffness[k]);
+                touch.damping = stiffness[k] * law.contact.damping;
+                let i = touch.element;
+                self.slope[i] = touch.fall(cos_beta);
+                ([self.along[i], self.across[i]], _) = touch.forces(law, &touch.motion);
+                (self.normal[i], self.sliding[i]) = (elastic[k], sliding[k]);
+            }
+        }
+    }
+
+    /// The elements that touch, and how they move on their sheaves.
+    fn find(&mut self, law: &Law, pulleys: &[Pulley; 2], frames: &Frames, [x, y, v, u]: [&[f64]; 4]) {
+        let [sin_beta, cos_beta, tan_beta] = law.wedge;
+        let middle = 0.5 * (law.axes[0] + law.axes[1]);
+        let apart = -APART * law.contact.roughness;
+        // Pitch radii beyond which nothing touches.
+        let reach = [0, 1].map(|j| {
+            let p = &pulleys[j];
+            let widest = tan_beta - p.tilt[0].hypot(p.tilt[1]);
+            (0.5 * p.z + law.r0 * tan_beta - apart) / widest
+        });
         for i in 1..=law.count {
             let j = usize::from(x[i] > middle);
             let p = &pulleys[j];
             let arm = x[i] - law.axes[j];
-            let rho = (arm * arm + y[i] * y[i]).sqrt();
-            let flat = 0.5 * p.z - (rho - law.r0) * tan_beta;
-            if flat + rho * (p.tilt[0].abs() + p.tilt[1].abs()) < apart {
+            let square = arm * arm + y[i] * y[i];
+            if square > reach[j] * reach[j] {
                 continue;
             }
-            let (cos, sin) = (arm / rho, -y[i] / rho);
+            let inverse = 1.0 / square.sqrt();
+            let rho = square * inverse;
+            let (cos, sin) = (arm * inverse, -y[i] * inverse);
             let opening = p.tilt[0] * cos + p.tilt[1] * sin;
-            let penetration = flat - rho * opening;
+            let penetration = 0.5 * p.z - (rho - law.r0) * tan_beta - rho * opening;
             if penetration < apart {
                 continue;
             }
@@ -137,18 +182,7 @@ impl Flanks {
                 tangential: v_t - p.omega * rho,
                 along_flank: v_r * cos_beta + (surface - p.omega * rho * slope) * sin_beta,
             };
-            let force = flank_force(&law.contact, &law.friction, cos_beta, &motion);
-            let square = motion.tangential * motion.tangential + motion.along_flank * motion.along_flank;
-            let k = law.contact.stiffness * cos_beta * law.thickness;
-            let drag = if square < AT_REST * AT_REST {
-                k * force.depth * law.friction.pulley / law.friction.velocity
-            } else {
-                -law.thickness
-                    * (force.tangential * motion.tangential + force.along_flank * motion.along_flank)
-                    / square
-            };
-            let stiffness = k * -(-force.depth / law.contact.roughness).exp_m1();
-            let touch = Touch {
+            self.touches.push(Touch {
                 element: i,
                 pulley: j,
                 turned,
@@ -156,27 +190,8 @@ impl Flanks {
                 rho,
                 slopes,
                 motion,
-                elastic: k * force.depth,
-                stiffness,
-                damping: stiffness * law.contact.damping,
-                drag,
-            };
-            let [along, across] = touch.forces(law, &motion).0;
-            // Fall of the polar forces with the polar speeds.
-            let damped = 2.0 * cos_beta * touch.damping;
-            let rr = damped * slopes[0] * slopes[0] + 2.0 * drag * cos_beta * cos_beta;
-            let rt = damped * slopes[0] * slope;
-            let tt = damped * slope * slope + 2.0 * drag;
-            let [s, c] = turned;
-            (self.along[i], self.across[i]) = (along, across);
-            self.slope[i] = [
-                rr * s * s + 2.0 * rt * s * c + tt * c * c,
-                (rr - tt) * s * c + rt * (c * c - s * s),
-                rr * c * c - 2.0 * rt * s * c + tt * s * s,
-            ];
-            self.normal[i] = touch.elastic;
-            self.sliding[i] = square.sqrt();
-            self.touches.push(touch);
+                ..Touch::default()
+            });
         }
     }
 
@@ -231,6 +246,22 @@ fn polar([s, c]: [f64; 2], [t, o]: [f64; 2]) -> (f64, f64) {
 }
 
 impl Touch {
+    /// Fall of the forces along t and o with the speeds: tt, to, oo, N·s/m.
+    #[inline(always)]
+    fn fall(&self, cos_beta: f64) -> [f64; 3] {
+        let damped = 2.0 * cos_beta * self.damping;
+        let [radial, around] = self.slopes;
+        let rr = damped * radial * radial + 2.0 * self.drag * cos_beta * cos_beta;
+        let rt = damped * radial * around;
+        let tt = damped * around * around + 2.0 * self.drag;
+        let [s, c] = self.turned;
+        [
+            rr * s * s + 2.0 * rt * s * c + tt * c * c,
+            (rr - tt) * s * c + rt * (c * c - s * s),
+            rr * c * c - 2.0 * rt * s * c + tt * s * s,
+        ]
+    }
+
     /// Forces along t and o, N; and N, f_t, f_f of a flank.
     #[inline(always)]
     fn forces(&self, law: &Law, motion: &FlankMotion<f64>) -> ([f64; 2], [f64; 3]) {
@@ -240,6 +271,9 @@ impl Touch {
         let radial = 2.0 * cos_beta * (normal * self.slopes[0] + flank);
         let around = 2.0 * (normal * cos_beta * self.slopes[1] + tangential);
         let [s, c] = self.turned;
-        ([radial * s + around * c, radial * c - around * s], [normal, tangential, flank])
+        (
+            [radial * s + around * c, radial * c - around * s],
+            [normal, tangential, flank],
+        )
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::stack::Oil;
 use pushbelt::contact::{Contact, Friction};
-use pushbelt::variator::settings::{Parameters, ParameterError};
+use pushbelt::variator::settings::{ParameterError, Parameters};
 
 /// What this model has beside the FMU's parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,6 +71,8 @@ pub struct Law {
     pub ring: RingLaw,
     /// Contact of the flanks.
     pub contact: Contact,
+    /// The same with a damping time of 1 s: its damping force is that of unit closing.
+    pub unit_damped: Contact,
     /// Friction of flanks and ring.
     pub friction: Friction,
     /// sin β, cos β, tan β.
@@ -89,24 +91,42 @@ impl Law {
     pub fn new(parameters: &Parameters, options: &Options) -> Result<Self, ParameterError> {
         parameters.validate()?;
         if parameters.is_chain() {
-            return Err(ParameterError::new("belt.kind", "PullChain", "PushBelt: a chain has no elements"));
+            return Err(ParameterError::new(
+                "belt.kind",
+                "PullChain",
+                "PushBelt: a chain has no elements",
+            ));
         }
         let (belt, geometry, layers) = (&parameters.belt, &parameters.geometry, &parameters.layers);
         let lever = options
             .lever
             .unwrap_or(belt.pitch_offset - 0.5 * f64::from(layers.count - 1) * layers.thickness);
         if lever.is_nan() || lever < 0.0 {
-            return Err(ParameterError::new("lever", lever, "at least 0: the saddle lies outside the rocking edge"));
+            return Err(ParameterError::new(
+                "lever",
+                lever,
+                "at least 0: the saddle lies outside the rocking edge",
+            ));
         }
         let pitch_length = geometry.belt_length - std::f64::consts::TAU * belt.pitch_offset;
         let count = ((pitch_length - belt.play) / belt.element_thickness).round();
         if !(7.0..=1e5).contains(&count) {
-            return Err(ParameterError::new("belt.elementThickness", belt.element_thickness, "7 to 100000 elements"));
+            return Err(ParameterError::new(
+                "belt.elementThickness",
+                belt.element_thickness,
+                "7 to 100000 elements",
+            ));
         }
         // The stack is as long as it shall be; the thickness gives way by less than h/2N.
         let thickness = (pitch_length - belt.play) / count;
         let beta = geometry.wedge_angle;
-        let no_belt = || ParameterError::new("geometry.beltLength", geometry.belt_length, "a belt that closes at ratio 1");
+        let no_belt = || {
+            ParameterError::new(
+                "geometry.beltLength",
+                geometry.belt_length,
+                "a belt that closes at ratio 1",
+            )
+        };
         Ok(Self {
             count: count as usize,
             thickness,
@@ -126,6 +146,10 @@ impl Law {
                 lever,
             },
             contact: parameters.contact.clone(),
+            unit_damped: Contact {
+                damping: 1.0,
+                ..parameters.contact.clone()
+            },
             friction: parameters.friction.clone(),
             wedge: [beta.sin(), beta.cos(), beta.tan()],
             r0: parameters.pitch_radii(1.0).ok_or_else(no_belt)?.0,

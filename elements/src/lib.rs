@@ -9,4 +9,5 @@ pub mod law;
 pub mod machine;
 pub mod pulleys;
 pub mod ring;
+pub mod run;
 pub mod stack;

@@ -4,9 +4,9 @@
 //! elements along the belt (tridiagonal), U across it (the beam's five diagonals). Contact, dampings, oil and friction are linear in the
 //! speeds after the step; each pair of bodies gets the same force.
 
+use crate::cyclic::{Pentadiagonal, Tridiagonal};
 use crate::flanks::{Flanks, Load};
 use crate::frames::{Chords, Frames, close};
-use crate::cyclic::{Pentadiagonal, Tridiagonal};
 use crate::law::Law;
 use crate::pulleys::{Cone, Pulley, Shaft};
 use crate::ring::Ring;
@@ -162,7 +162,9 @@ impl Machine {
         }
         machine.place();
         machine.frames.turn.fill(0.0);
-        machine.ring.place(&machine.law, &machine.frames, [&machine.x, &machine.y]);
+        machine
+            .ring
+            .place(&machine.law, &machine.frames, [&machine.x, &machine.y]);
         let length = &machine.ring.chords.length;
         let per_chord = machine.law.ring.length / length[1..=n].iter().sum::<f64>();
         let mut place = 0.0;
@@ -192,25 +194,45 @@ impl Machine {
         (self.s[0], self.s[n + 1]) = (self.s[n] - self.law.ring.length, self.s[1] + self.law.ring.length);
         let law = &self.law;
         self.ring.place(law, &self.frames, [&self.x, &self.y]);
-        self.stack.evaluate(law, dt, &self.chords, &self.frames, [&self.v, &self.u]);
-        self.ring.evaluate(law, dt, &self.frames, [&self.v, &self.u, &self.w, &self.s]);
-        self.flanks.evaluate(law, &self.pulleys, &self.frames, [&self.x, &self.y, &self.v, &self.u]);
+        self.stack
+            .evaluate(law, dt, &self.chords, &self.frames, [&self.v, &self.u]);
+        self.ring
+            .evaluate(law, dt, &self.frames, [&self.v, &self.u, &self.w, &self.s]);
+        self.flanks
+            .evaluate(law, &self.pulleys, &self.frames, [&self.x, &self.y, &self.v, &self.u]);
 
         let [dw, dv, du] = &mut self.changes;
         let [diagonal, off, right] = &mut self.rows;
-        self.ring.rows(law, dt, &self.frames, [&self.v, &self.u, &self.w], [diagonal, off, right]);
+        self.ring.rows(
+            law,
+            dt,
+            &self.frames,
+            [&self.v, &self.u, &self.w],
+            [diagonal, off, right],
+        );
         self.three.solve(diagonal, off, right);
         spread(right, dw, &mut self.w);
         self.ring.correct(law, dt, &self.frames, [&self.v, &self.w, dw]);
 
-        for k in 0..n {
-            let i = k + 1;
-            let (tx, ty) = (self.frames.tx[i], self.frames.ty[i]);
-            let along = |c: usize| self.stack.push[c] * (self.chords.x[c] * tx + self.chords.y[c] * ty);
-            let omega = self.frames.turn[i] * per_step;
-            diagonal[k] = law.mass * per_step + self.stack.slope[i] + self.stack.slope[i - 1] + self.flanks.slope[i][0];
-            off[k] = -self.stack.slope[i];
-            right[k] = along(i - 1) - along(i) + self.flanks.along[i] + self.ring.drag[i] - law.mass * self.u[i] * omega;
+        let all = n + 2;
+        let (tx, ty, turn) = (&self.frames.tx[..all], &self.frames.ty[..all], &self.frames.turn[..all]);
+        let (cx, cy) = (&self.chords.x[..all], &self.chords.y[..all]);
+        let (slope, flank, drag) = (
+            &self.stack.slope[..all],
+            &self.flanks.slope[..all],
+            &self.ring.drag[..all],
+        );
+        let (along, across) = (&self.flanks.along[..all], &self.flanks.across[..all]);
+        {
+            let (push, u) = (&self.stack.push[..all], &self.u[..all]);
+            let (diagonal, off, right) = (&mut diagonal[..n], &mut off[..n], &mut right[..n]);
+            for k in 0..n {
+                let i = k + 1;
+                let pushed = |c: usize| push[c] * (cx[c] * tx[i] + cy[c] * ty[i]);
+                diagonal[k] = law.mass * per_step + slope[i] + slope[k] + flank[i][0];
+                off[k] = -slope[i];
+                right[k] = pushed(k) - pushed(i) + along[i] + drag[i] - law.mass * u[i] * turn[i] * per_step;
+            }
         }
         self.three.solve(diagonal, off, right);
         spread(right, dv, &mut self.v);
@@ -221,17 +243,20 @@ impl Machine {
         }
 
         let couple = 0.5 * law.ring.lever / law.thickness;
-        for k in 0..n {
-            let i = k + 1;
-            let (tx, ty) = (self.frames.tx[i], self.frames.ty[i]);
-            let across = |c: usize| self.stack.push[c] * (self.chords.y[c] * tx - self.chords.x[c] * ty);
-            let omega = self.frames.turn[i] * per_step;
-            let [_, mixed, own] = self.flanks.slope[i];
-            diagonal[k] = (law.mass + self.ring.mass[i]) * per_step + own;
-            right[k] = across(i - 1) - across(i) + self.ring.across[i] + self.flanks.across[i] - mixed * dv[i]
-                + couple * (self.ring.drag[i + 1] - self.ring.drag[i - 1])
-                + law.mass * self.v[i] * omega
-                + self.ring.mass[i] * self.w[i] * self.ring.turn[i];
+        {
+            let (push, v, w, dv) = (&self.stack.push[..all], &self.v[..all], &self.w[..all], &dv[..all]);
+            let (ring, mass, ring_turn) = (&self.ring.across[..all], &self.ring.mass[..all], &self.ring.turn[..all]);
+            let (diagonal, right) = (&mut diagonal[..n], &mut right[..n]);
+            for k in 0..n {
+                let i = k + 1;
+                let pushed = |c: usize| push[c] * (cy[c] * tx[i] - cx[c] * ty[i]);
+                let [_, mixed, own] = flank[i];
+                diagonal[k] = (law.mass + mass[i]) * per_step + own;
+                right[k] = pushed(k) - pushed(i) + ring[i] + across[i] - mixed * dv[i]
+                    + couple * (drag[i + 1] - drag[k])
+                    + law.mass * v[i] * turn[i] * per_step
+                    + mass[i] * w[i] * ring_turn[i];
+            }
         }
         let bending = (dt + law.ring.curvature_damping) * law.ring.bending_stiffness / law.thickness.powi(3);
         self.five.solve(diagonal, bending, right);
@@ -278,7 +303,11 @@ impl Machine {
         let (mut drag, mut oil, mut push, mut stretch, mut bend) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for i in 1..=n {
             let ring = &self.ring;
-            drag += if ring.friction[i] > 0.0 { ring.drag[i] * ring.drag[i] / ring.friction[i] } else { 0.0 };
+            drag += if ring.friction[i] > 0.0 {
+                ring.drag[i] * ring.drag[i] / ring.friction[i]
+            } else {
+                0.0
+            };
             let rate = self.stack.rate[i] * self.stack.rate[i];
             oil += self.stack.oil[i] * rate;
             push += self.stack.damping[i] * rate;
@@ -289,7 +318,16 @@ impl Machine {
         stretch *= ring.axial_stiffness * ring.damping;
         bend *= ring.bending_stiffness * ring.curvature_damping * ring.mass_per_length;
         let viscous = self.loads[0].viscous + self.loads[1].viscous;
-        let powers = [self.loads[0].friction, self.loads[1].friction, viscous, drag, oil, push, stretch, bend];
+        let powers = [
+            self.loads[0].friction,
+            self.loads[1].friction,
+            viscous,
+            drag,
+            oil,
+            push,
+            stretch,
+            bend,
+        ];
         for (entry, power) in self.ledger.0[4..12].iter_mut().zip(powers) {
             *entry += self.dt * power;
         }
@@ -345,7 +383,10 @@ impl Machine {
             }
             if self.chords.length[i] > 2.0 * self.law.thickness || self.chords.length[i] < 0.9 * self.law.thickness {
                 let gap = 1e3 * (self.chords.length[i] - self.law.thickness);
-                return Err(fault(i, format!("the gap behind it is {gap:.3} mm: the belt is torn or the step too large")));
+                return Err(fault(
+                    i,
+                    format!("the gap behind it is {gap:.3} mm: the belt is torn or the step too large"),
+                ));
             }
         }
         let of = [&self.parameters.secondary, &self.parameters.primary];
@@ -353,8 +394,15 @@ impl Machine {
             if self.pulleys[j].is_at_stop(of[j], self.law.r0, self.law.wedge[2]) && self.drive[j].1 != Cone::Held {
                 let most = |i: &usize, k: &usize| self.x[*i].total_cmp(&self.x[*k]);
                 let elements = 1..=self.law.count;
-                let at = if j == 0 { elements.min_by(most) } else { elements.max_by(most) };
-                return Err(fault(at.unwrap_or(1), format!("the {name} sheaves reach their stop: no steady state")));
+                let at = if j == 0 {
+                    elements.min_by(most)
+                } else {
+                    elements.max_by(most)
+                };
+                return Err(fault(
+                    at.unwrap_or(1),
+                    format!("the {name} sheaves reach their stop: no steady state"),
+                ));
             }
         }
         Ok(())
@@ -379,7 +427,11 @@ impl Machine {
             archive.reals(values);
         }
         for p in &mut self.pulleys {
-            for value in [&mut p.omega, &mut p.z, &mut p.z_dot].into_iter().chain(&mut p.tilt).chain(&mut p.tilt_rate) {
+            for value in [&mut p.omega, &mut p.z, &mut p.z_dot]
+                .into_iter()
+                .chain(&mut p.tilt)
+                .chain(&mut p.tilt_rate)
+            {
                 archive.real(value);
             }
         }

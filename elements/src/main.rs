@@ -1,40 +1,225 @@
+//! `cargo fmu elements CASE…`: runs cases of single elements.
+
+use clap::Parser as _;
+use pushbelt::fmi::table::Value;
+use pushbelt::variator::settings::parameters;
+use pushbelt_archive::Archive;
 use pushbelt_elements::case::Case;
-fn main() {
-    let name = std::env::args().nth(1).unwrap();
-    let seconds: f64 = std::env::args().nth(2).unwrap().parse().unwrap();
-    let mut case = Case::named(&name).unwrap();
-    if let Some(dt) = std::env::args().nth(3) { case.options.step = Some(dt.parse().unwrap()); }
-    let mut m = case.start().unwrap();
-    let start = std::time::Instant::now();
-    let mut next = 0.0;
-    let every = seconds / 40.0;
-    let mut steps = 0u64;
-    let mut sum = [0.0; 6];
-    let mut count = 0.0;
-    let mut e0: f64 = 0.0; let mut l0 = m.ledger;
-    while m.time < seconds {
-        case.drive(&mut m);
-        m.step();
-        steps += 1;
-        let l = &m.loads;
-        let r = [0, 1].map(|j| l[j].weight[1] / l[j].weight[0]);
-        for (k, v) in [l[0].axial, l[1].axial, r[0], r[1], m.pulleys[0].omega, m.pulleys[1].omega].iter().enumerate() { sum[k] += v; }
-        count += 1.0;
-        if steps % 64 == 0 { if let Err(e) = m.check() { println!("{e}"); break; } }
-        if m.time >= next {
-            let a = sum.map(|s| s / count);
-            let slip = 1.0 - a[4] / a[5] * a[2] / a[3];
-            let e: f64 = m.energies().iter().sum();
-            let d = m.ledger.since(&l0);
-            println!("{:.5} s {:.4} thrust {:.4} slip% {:.4} axS {:.0} | work {:.3} loss {:.3} dE {:.3} res {:.4} of work1 {:.3} q {:.1} {:.1} gaps {}", m.time, a[2]/a[3], a[1]/a[0], slip*100.0, a[0],
-                d.work(), d.losses(), e - e0, d.work()-d.losses()-(e-e0), d.0[1],
-                m.stack.push[1..=m.law.count].iter().cloned().fold(f64::MAX, f64::min), m.stack.push[1..=m.law.count].iter().cloned().fold(f64::MIN, f64::max),
-                m.chords.length[1..=m.law.count].iter().filter(|l| **l > m.law.thickness + 1e-6).count());
-            l0 = m.ledger; e0 = e; sum = [0.0; 6]; count = 0.0;
-            next += every;
+use pushbelt_elements::run::{Run, header};
+use pushbelt_elements::stack::Oil;
+use std::fs;
+use std::io::{IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Runs a belt of single elements, in steady states held at a ratio.
+///
+/// A case is RATIO-SHARE: a geometric ratio (low, under, medium, over, od or a number), and the torque over that of full slip. `short` is
+/// the set medium-0.4, medium-0.6, od-0.6, od-0.
+#[derive(clap::Parser)]
+#[command(name = "cargo fmu elements", bin_name = "cargo fmu elements")]
+struct Arguments {
+    /// Cases, as medium-0.4
+    #[arg(required = true)]
+    cases: Vec<String>,
+    /// Folder of the results: CASE.csv (each millisecond), CASE-fields.csv (along the belt), results.csv (a line a case)
+    #[arg(long, default_value = "target/elements")]
+    output: PathBuf,
+    /// The file of the lines, a line a case; a line of the same case and settings is replaced
+    #[arg(long)]
+    results: Option<PathBuf>,
+    /// Closing force of the secondary pulley, N
+    #[arg(long, default_value_t = 15.0e3)]
+    force: f64,
+    /// Speed of the primary pulley, rad/s
+    #[arg(long, default_value_t = 209.0)]
+    speed: f64,
+    /// Duration, s, whose last quarter is the result [default: 0.3, in overdrive or below 100 rad/s 0.5]
+    #[arg(long)]
+    duration: Option<f64>,
+    /// Time step, s [default: 2e-6 at 200 rad/s of the faster shaft, in proportion to 1/speed]
+    #[arg(long)]
+    step: Option<f64>,
+    /// Oil: distance of rough faces in contact, m
+    #[arg(long, default_value_t = 6.0e-6)]
+    film: f64,
+    /// Oil: force per rate of strain at zero gap, N·s
+    #[arg(long, default_value_t = 75.0)]
+    squeeze: f64,
+    /// Lever of the ring's friction, m [default: that of the innermost layer]
+    #[arg(long)]
+    lever: Option<f64>,
+    /// Damping time of the ring's curvature, s
+    #[arg(long, default_value_t = 2.0e-5)]
+    curvature_damping: f64,
+    /// A parameter of the FMU, as belt.play=4e-4
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    settings: Vec<String>,
+    /// A word in the names of the files and lines
+    #[arg(long)]
+    label: Option<String>,
+    /// Start again, also where a stored state could go on
+    #[arg(long)]
+    restart: bool,
+    /// Steps between stored states
+    #[arg(long, default_value_t = 20_000)]
+    store: u64,
+}
+
+/// The cases against which the prototype's figures stand.
+const SHORT: [&str; 4] = ["medium-0.4", "medium-0.6", "od-0.6", "od-0"];
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let mut failed = false;
+    let names = arguments.cases.iter().flat_map(|name| match name.as_str() {
+        "short" => SHORT.map(str::to_owned).to_vec(),
+        _ => vec![name.clone()],
+    });
+    for name in names {
+        if let Err(error) = one(&arguments, &name) {
+            eprintln!("{name}: {error}");
+            failed = true;
         }
     }
-    let t = start.elapsed().as_secs_f64();
-    for (n, v) in pushbelt_elements::machine::Ledger::NAMES.iter().zip(m.ledger.0) { print!("{n} {v:.4}; "); }
-    println!("\n{} element steps/s {:.3e}, {:.1} us a step", steps, steps as f64 * m.law.count as f64 / t, t / steps as f64 * 1e6);
+    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+fn case(arguments: &Arguments, name: &str) -> Result<Case, String> {
+    let mut case = Case::named(name).map_err(|error| error.to_string())?;
+    if let Some(label) = &arguments.label {
+        case.name = format!("{name}-{label}");
+    }
+    (case.force, case.speed, case.duration) = (arguments.force, arguments.speed, arguments.duration);
+    for setting in &arguments.settings {
+        let (name, value) = setting
+            .split_once('=')
+            .ok_or_else(|| format!("--set {setting}: NAME=VALUE is expected"))?;
+        let found = parameters::<_, ()>().find(|one| one.name() == name);
+        let variable = found
+            .ok_or_else(|| format!("--set {setting}: the FMU has no parameter {name}"))?
+            .variable();
+        let number = || {
+            value
+                .parse()
+                .map_err(|_| format!("--set {setting}: {value} is no number"))
+        };
+        let real = variable.set(&mut case.parameters, Value::Real(number()?));
+        if real.is_err() {
+            variable.set(&mut case.parameters, Value::Integer(number()? as i64))?;
+        }
+    }
+    let belt = &case.parameters.belt;
+    case.options.oil = Oil::of_squeeze(arguments.squeeze, arguments.film, belt.element_thickness, belt.suction);
+    (case.options.lever, case.options.step) = (arguments.lever, arguments.step);
+    case.options.curvature_damping = arguments.curvature_damping;
+    Ok(case)
+}
+
+/// Runs a case, or what is left of it.
+fn one(arguments: &Arguments, name: &str) -> Result<(), String> {
+    let case = case(arguments, name)?;
+    let folder = &arguments.output;
+    let io = |error: std::io::Error| format!("{}: {error}", folder.display());
+    fs::create_dir_all(folder).map_err(io)?;
+    let file = |suffix: &str| folder.join(format!("{}{suffix}", case.name));
+    let settings = format!("{case:?}");
+    let mut run = Run::new(case.clone()).map_err(|error| error.to_string())?;
+    let stored = file(".state");
+    if !arguments.restart
+        && let Some(again) = read(&run, &stored, &settings)
+    {
+        run = again;
+        eprintln!("{}: goes on at {:.4} s", case.name, run.machine.time);
+    }
+    let (clock, from) = (Instant::now(), run.steps);
+    let mut outcome = Ok(());
+    while !run.is_done() && outcome.is_ok() {
+        outcome = run.advance(arguments.store);
+        fs::write(file(".csv"), run.rows_csv()).map_err(io)?;
+        if outcome.is_ok() {
+            write_state(&mut run, &stored, &settings).map_err(io)?;
+        }
+        progress(&run, (run.steps - from) as f64, clock.elapsed().as_secs_f64());
+    }
+    if std::io::stderr().is_terminal() {
+        eprintln!();
+    }
+    outcome.map_err(|fault| fault.to_string())?;
+    fs::write(file("-fields.csv"), run.fields_csv()).map_err(io)?;
+    let result = run.result();
+    let [idle_s, idle_p] = run.idle_arcs();
+    let path = arguments.results.clone().unwrap_or_else(|| folder.join("results.csv"));
+    let line = format!("{},{},{idle_s:.3},{idle_p:.3}", case.name, result.line());
+    add_line(&path, &case.name, &line).map_err(io)?;
+    println!(
+        "{}: ratio {:.4}, thrust ratio {:.4}, slip {:.4} %, efficiency {:.3} %, idle arcs S {idle_s:.2}, P {idle_p:.2} rad, push \
+         force {:.1} to {:.0} N, energy to {:.4} % of what passes",
+        case.name,
+        result.ratio(),
+        result.thrust_ratio(),
+        100.0 * result.slip(),
+        100.0 * result.efficiency(),
+        result.push_force()[0],
+        result.push_force()[1],
+        100.0 * result.residual(),
+    );
+    run.check_steady().map_err(|fault| fault.to_string())
+}
+
+fn progress(run: &Run, steps: f64, seconds: f64) {
+    let share = run.machine.time / run.case.duration();
+    let speed = steps * run.machine.law.count as f64 / seconds;
+    let left = (run.case.duration() - run.machine.time) / run.machine.dt * run.machine.law.count as f64 / speed;
+    let last = if std::io::stderr().is_terminal() { "\r" } else { "\n" };
+    eprint!(
+        "{} {:3.0} %, {:.4} s, {speed:.2e} element steps a second, {left:.0} s left   {last}",
+        run.case.name,
+        100.0 * share,
+        run.machine.time
+    );
+    let _ = std::io::stderr().flush();
+}
+
+/// The run that a file holds; none if there is no file, or it is of other settings.
+fn read(start: &Run, path: &Path, settings: &str) -> Option<Run> {
+    let bytes = fs::read(path).ok()?;
+    let rest = bytes.strip_prefix(settings.as_bytes())?;
+    let mut run = start.clone();
+    let mut archive = Archive::reader(rest);
+    run.serialize(&mut archive);
+    archive.finish().ok()?;
+    Some(run)
+}
+
+fn write_state(run: &mut Run, path: &Path, settings: &str) -> std::io::Result<()> {
+    let mut archive = Archive::writer();
+    run.serialize(&mut archive);
+    let bytes = [settings.as_bytes(), &archive.into_bytes()].concat();
+    // At once, so that an interrupted run leaves the state before.
+    let part = path.with_extension("part");
+    fs::write(&part, bytes)?;
+    fs::rename(part, path)
+}
+
+/// Adds a line, or replaces that of the same case.
+fn add_line(path: &Path, name: &str, line: &str) -> std::io::Result<()> {
+    let before = fs::read_to_string(path).unwrap_or_default();
+    let start = format!("{name},");
+    let mut lines: Vec<_> = before
+        .lines()
+        .skip(1)
+        .filter(|other| !other.starts_with(&start))
+        .collect();
+    lines.push(line);
+    lines.sort_unstable();
+    fs::write(
+        path,
+        format!(
+            "case,{},secondary.idleArc,primary.idleArc\n{}\n",
+            header(),
+            lines.join("\n")
+        ),
+    )
 }

@@ -122,8 +122,16 @@ impl Pulley {
     /// Stored energy, J, without that of a shaft whose speed is given.
     #[must_use]
     pub fn energy(&self, of: &PulleyParameters, shaft: Shaft) -> f64 {
-        let turning = if shaft == Shaft::Speed { 0.0 } else { 0.5 * of.inertia * self.omega * self.omega };
-        let tilt = if of.tilt.is_rigid() { 0.0 } else { 2.0 * of.tilt.energy(self.tilt) };
+        let turning = if shaft == Shaft::Speed {
+            0.0
+        } else {
+            0.5 * of.inertia * self.omega * self.omega
+        };
+        let tilt = if of.tilt.is_rigid() {
+            0.0
+        } else {
+            2.0 * of.tilt.energy(self.tilt)
+        };
         turning + tilt + 0.5 * of.sheave_mass * self.z_dot * self.z_dot
     }
 

@@ -100,13 +100,20 @@ impl Ring {
     pub fn evaluate(&mut self, law: &Law, dt: f64, frames: &Frames, [v, u, w, s]: [&[f64]; 4]) {
         let (n, ring) = (law.count, &law.ring);
         let (tx, ty) = (&frames.tx[..n + 2], &frames.ty[..n + 2]);
-        let (rx, ry, length) = (&self.chords.x[..n + 1], &self.chords.y[..n + 1], &self.chords.length[..n + 1]);
+        let (rx, ry, length) = (
+            &self.chords.x[..n + 1],
+            &self.chords.y[..n + 1],
+            &self.chords.length[..n + 1],
+        );
         let (v, u, w, s) = (&v[..n + 2], &u[..n + 2], &w[..n + 2], &s[..n + 2]);
         let (ea, seen) = (ring.axial_stiffness, ring.damping + dt);
         {
             let (tension, slope) = (&mut self.tension[..n + 1], &mut self.slope[..n + 1]);
-            let (steel, rate, turning) =
-                (&mut self.steel[..n + 1], &mut self.rate[..n + 1], &mut self.turning[..n + 1]);
+            let (steel, rate, turning) = (
+                &mut self.steel[..n + 1],
+                &mut self.rate[..n + 1],
+                &mut self.turning[..n + 1],
+            );
             for i in 0..=n {
                 let velocity = |k: usize| (w[k] * tx[k] - u[k] * ty[k], w[k] * ty[k] + u[k] * tx[k]);
                 let (a, b) = (velocity(i), velocity(i + 1));
@@ -143,7 +150,11 @@ impl Ring {
             shear[i] = (moment[i + 1] - moment[i]) / length[i];
         }
         let (shear, tension) = (&self.turning[..n + 1], &self.tension[..n + 1]);
-        let (along, across, turn) = (&mut self.along[..n + 1], &mut self.across[..n + 1], &mut self.turn[..n + 1]);
+        let (along, across, turn) = (
+            &mut self.along[..n + 1],
+            &mut self.across[..n + 1],
+            &mut self.turn[..n + 1],
+        );
         let (angle, mass) = (&self.angle[..n + 1], &self.mass[..n + 1]);
         let friction = &mut self.friction[..n + 1];
         let contact = &self.contact[..n + 1];
@@ -167,12 +178,16 @@ impl Ring {
         let (n, lever) = (law.count, law.ring.lever);
         let [diagonal, off, right] = rows.map(|row| &mut row[..n]);
         let per_step = 1.0 / dt;
+        let all = n + 2;
+        let [v, u, w, turn] = [v, u, w, &frames.turn].map(|row| &row[..all]);
+        let [mass, slope, friction] = [&self.mass, &self.slope, &self.friction].map(|row| &row[..all]);
+        let [along, ring_turn] = [&self.along, &self.turn].map(|row| &row[..all]);
         for k in 0..n {
             let i = k + 1;
-            let sliding = w[i] - v[i] - lever * frames.turn[i] * per_step;
-            diagonal[k] = self.mass[i] * per_step + self.slope[i] + self.slope[i - 1] + self.friction[i];
-            off[k] = -self.slope[i];
-            right[k] = self.along[i] - self.mass[i] * u[i] * self.turn[i] - self.friction[i] * sliding;
+            let sliding = w[i] - v[i] - lever * turn[i] * per_step;
+            diagonal[k] = mass[i] * per_step + slope[i] + slope[k] + friction[i];
+            off[k] = -slope[i];
+            right[k] = along[i] - mass[i] * u[i] * ring_turn[i] - friction[i] * sliding;
         }
     }
 

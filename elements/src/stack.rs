@@ -15,7 +15,7 @@
 
 use crate::frames::{Chords, Frames};
 use crate::law::Law;
-use pushbelt::scalar::{LANES, Lanes, Real as _, soft_plus_energy};
+use pushbelt::scalar::{LANES, Lanes, Real, soft_plus_energy};
 
 /// Oil between two elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,11 +52,12 @@ impl Oil {
 
     /// c' at the gap and its rate.
     #[inline(always)]
-    fn coefficient(&self, gap: f64, rate: f64) -> f64 {
-        let wide = self.floor + gap;
-        let c = self.constant / (wide * wide * wide);
-        let share = c * rate.max(0.0) / self.suction;
-        c / (1.0 + share * share).sqrt()
+    fn coefficient<T: Real>(&self, gap: T, rate: T) -> T {
+        let wide = gap + self.floor;
+        let c = (wide * wide * wide).recip() * self.constant;
+        let share = c * rate * (1.0 / self.suction);
+        let (_, limited) = (share * share + 1.0).root_and_inverse();
+        c * rate.if_positive(limited, T::one())
     }
 }
 
@@ -110,22 +111,22 @@ impl Stack {
             self.rate[i] = along(i + 1) - along(i);
         }
         let (stiffness, damping) = (law.push_stiffness, law.push_damping);
-        let mut from = 0;
-        while from < gaps {
-            let at = |k: usize| law.thickness - length[(from + k).min(gaps - 1)];
-            let overlap: [f64; LANES] = std::array::from_fn(at);
-            let [closed, slope, _] = Lanes::new(overlap).soft_plus(law.roughness).map(Lanes::to_array);
-            for k in 0..LANES {
-                let i = from + k;
-                let rate = self.rate[i];
-                let oil = law.oil.coefficient(closed[k] - overlap[k], rate);
-                let touching = stiffness * slope[k];
-                self.damping[i] = touching * damping;
-                self.oil[i] = oil;
-                self.slope[i] = touching * (dt + damping) + oil;
-                self.push[i] = stiffness * closed[k] - self.slope[i] * rate;
+        for from in (0..gaps).step_by(LANES) {
+            let pack = |of: &[f64]| Lanes::new(std::array::from_fn(|k| of[(from + k).min(gaps - 1)]));
+            let (overlap, rate) = (-pack(length) + law.thickness, pack(&self.rate));
+            let [closed, slope, _] = overlap.soft_plus(law.roughness);
+            let oil = law.oil.coefficient(closed - overlap, rate);
+            let touching = slope * stiffness;
+            let total = touching * (dt + damping) + oil;
+            let push = closed * stiffness - total * rate;
+            for (row, value) in [
+                (&mut self.damping, touching * damping),
+                (&mut self.oil, oil),
+                (&mut self.slope, total),
+                (&mut self.push, push),
+            ] {
+                row[from..from + LANES].copy_from_slice(&value.to_array());
             }
-            from += LANES;
         }
     }
 
