@@ -277,3 +277,44 @@ impl Touch {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::Options;
+    use pushbelt::variator::settings::Parameters;
+
+    /// The forces of a step are linear in the speeds, with the secant of friction.
+    #[test]
+    fn falls_of_forces_are_differences() {
+        let law = Law::new(&Parameters::default(), &Options::default()).unwrap();
+        let cos_beta = law.wedge[1];
+        let touch = Touch {
+            turned: [0.3, (1.0_f64 - 0.09).sqrt()],
+            slopes: [0.2, -0.03],
+            elastic: 70.0,
+            stiffness: 9.0e7,
+            damping: 270.0,
+            drag: 1500.0,
+            ..Touch::default()
+        };
+        let force = |dv: f64, du: f64| {
+            let (r, t) = polar(touch.turned, [dv, du]);
+            let motion = FlankMotion {
+                penetration: 1.0e-6,
+                closing: 0.01 - touch.slopes[0] * r - touch.slopes[1] * t,
+                tangential: 0.02 + t,
+                along_flank: -0.01 + r * cos_beta,
+            };
+            touch.forces(&law, &motion).0
+        };
+        let [tt, to, oo] = touch.fall(cos_beta);
+        let d = 1.0e-3;
+        for (column, expected) in [((d, 0.0), [tt, to]), ((0.0, d), [to, oo])] {
+            for k in 0..2 {
+                let found = (force(-column.0, -column.1)[k] - force(column.0, column.1)[k]) / (2.0 * d);
+                assert!((found - expected[k]).abs() < 1e-6 * tt, "{found} {}", expected[k]);
+            }
+        }
+    }
+}

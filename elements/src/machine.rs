@@ -217,30 +217,21 @@ impl Machine {
         let all = n + 2;
         let (tx, ty, turn) = (&self.frames.tx[..all], &self.frames.ty[..all], &self.frames.turn[..all]);
         let (cx, cy) = (&self.chords.x[..all], &self.chords.y[..all]);
-        let (slope, flank, drag) = (
-            &self.stack.slope[..all],
-            &self.flanks.slope[..all],
-            &self.ring.drag[..all],
-        );
+        let (flank, drag) = (&self.flanks.slope[..all], &self.ring.drag[..all]);
         let (along, across) = (&self.flanks.along[..all], &self.flanks.across[..all]);
         {
-            let (push, u) = (&self.stack.push[..all], &self.u[..all]);
-            let (diagonal, off, right) = (&mut diagonal[..n], &mut off[..n], &mut right[..n]);
+            let u = &self.u[..all];
+            let (diagonal, right) = (&mut diagonal[..n], &mut right[..n]);
             for k in 0..n {
                 let i = k + 1;
-                let pushed = |c: usize| push[c] * (cx[c] * tx[i] + cy[c] * ty[i]);
-                diagonal[k] = law.mass * per_step + slope[i] + slope[k] + flank[i][0];
-                off[k] = -slope[i];
-                right[k] = pushed(k) - pushed(i) + along[i] + drag[i] - law.mass * u[i] * turn[i] * per_step;
+                diagonal[k] = law.mass * per_step + flank[i][0];
+                right[k] = along[i] + drag[i] - law.mass * u[i] * turn[i] * per_step;
             }
         }
+        self.stack.rows(law, &self.chords, &self.frames, [diagonal, off, right]);
         self.three.solve(diagonal, off, right);
         spread(right, dv, &mut self.v);
-        for c in 0..=n {
-            let change = dv[c + 1] - dv[c];
-            self.stack.push[c] -= self.stack.slope[c] * change;
-            self.stack.rate[c] += change;
-        }
+        self.stack.correct(dv);
 
         let couple = 0.5 * law.ring.lever / law.thickness;
         {

@@ -211,3 +211,44 @@ impl Ring {
         close(&mut self.drag);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::Options;
+    use pushbelt::variator::settings::Parameters;
+
+    /// Forces F·t and F·o on the nodes of a straight row with these speeds.
+    fn forces(law: &Law, dt: f64, u: &[f64], w: &[f64]) -> (Vec<f64>, Vec<f64>, Ring) {
+        let n = law.count;
+        let zero = vec![0.0; n + 2];
+        let mut frames = Frames::new(n);
+        frames.tx.fill(1.0);
+        let x: Vec<_> = (0..n + 2).map(|i| i as f64 * law.thickness).collect();
+        let mut ring = Ring::new(n);
+        ring.place(law, &frames, [&x, &zero]);
+        ring.evaluate(law, dt, &frames, [&zero, u, w, &x]);
+        (ring.along.clone(), ring.across.clone(), ring)
+    }
+
+    /// The slopes of a step are those of tension with Δt + η and of moments with Δt + η_κ.
+    #[test]
+    fn slopes_are_differences() {
+        let mut law = Law::new(&Parameters::default(), &Options::default()).unwrap();
+        law.count = 20;
+        let (dt, zero) = (2.0e-6, vec![0.0; 22]);
+        let bending = (dt + law.ring.curvature_damping) * law.ring.bending_stiffness / law.thickness.powi(3);
+        let mut moved = zero.clone();
+        moved[10] = 1.0e-3;
+        let (_, across, _) = forces(&law, dt, &moved, &zero);
+        for (k, weight) in [1.0, -4.0, 6.0, -4.0, 1.0].into_iter().enumerate() {
+            let found = -across[8 + k] / 1.0e-3;
+            assert!((found / (bending * weight) - 1.0).abs() < 1e-9, "{k}: {found}");
+        }
+        let (along, _, ring) = forces(&law, dt, &zero, &moved);
+        for (k, weight) in [-1.0, 2.0, -1.0].into_iter().enumerate() {
+            let found = -along[9 + k] / 1.0e-3;
+            assert!((found / (ring.slope[10] * weight) - 1.0).abs() < 1e-9, "{k}: {found}");
+        }
+    }
+}

@@ -327,7 +327,7 @@ impl Run {
         for push in &machine.stack.push[1..=machine.law.count] {
             self.extremes = [self.extremes[0].min(*push), self.extremes[1].max(*push)];
         }
-        if machine.time < (1.0 - RESULT) * self.case.duration() || machine.loads[0].weight[0] <= 0.0 {
+        if machine.time < (1.0 - RESULT) * self.case.duration() || self.rows.is_empty() {
             return Ok(());
         }
         let path = self.path();
@@ -355,11 +355,14 @@ impl Run {
         Ok(())
     }
 
-    /// The line on which elements are at present, for their place along the belt.
+    /// The line on which elements are in the present interval of time, for their place along the belt.
     #[must_use]
     pub fn path(&self) -> Path {
-        let radius = |j: usize| self.machine.loads[j].weight[1] / self.machine.loads[j].weight[0];
-        Path::new(self.machine.law.axes[1], [radius(0), radius(1)])
+        let last = self
+            .rows
+            .last()
+            .map_or([f64::NAN; 2], |row| [row.means()[2], row.means()[3]]);
+        Path::new(self.machine.law.axes[1], last)
     }
 
     /// The mean of the last part of the run.

@@ -130,9 +130,220 @@ impl Stack {
         }
     }
 
+    /// Adds the gaps' part to the equations of V: their slopes to `diagonal`, `off`, the push forces along t to `right`.
+    pub fn rows(&self, law: &Law, chords: &Chords, frames: &Frames, [diagonal, off, right]: [&mut [f64]; 3]) {
+        let (n, all) = (law.count, law.count + 2);
+        let [tx, ty, cx, cy] = [&frames.tx, &frames.ty, &chords.x, &chords.y].map(|row| &row[..all]);
+        let (push, slope) = (&self.push[..all], &self.slope[..all]);
+        let (diagonal, off, right) = (&mut diagonal[..n], &mut off[..n], &mut right[..n]);
+        for k in 0..n {
+            let i = k + 1;
+            let pushed = |c: usize| push[c] * (cx[c] * tx[i] + cy[c] * ty[i]);
+            diagonal[k] += slope[i] + slope[k];
+            off[k] = -slope[i];
+            right[k] += pushed(k) - pushed(i);
+        }
+    }
+
+    /// The push forces after V has changed by `change`, with its copies.
+    pub fn correct(&mut self, change: &[f64]) {
+        for (c, pair) in change.windows(2).enumerate() {
+            let rise = pair[1] - pair[0];
+            self.push[c] -= self.slope[c] * rise;
+            self.rate[c] += rise;
+        }
+    }
+
     /// Elastic energy of a gap whose chord has this length, m: J.
     #[must_use]
     pub fn energy(law: &Law, length: f64) -> f64 {
         law.push_stiffness * soft_plus_energy(law.thickness - length, law.roughness)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cyclic::Tridiagonal;
+    use crate::frames::close;
+    use crate::law::Options;
+    use pushbelt::variator::settings::Parameters;
+
+    /// Elements in a straight row along x, with forces on them. The gap from the last to the first is far from contact.
+    struct Straight {
+        law: Law,
+        dt: f64,
+        x: Vec<f64>,
+        v: Vec<f64>,
+        force: Vec<f64>,
+        chords: Chords,
+        frames: Frames,
+        stack: Stack,
+        solver: Tridiagonal,
+    }
+
+    impl Straight {
+        fn new(law: Law, dt: f64, gap: f64) -> Self {
+            let n = law.count;
+            let mut frames = Frames::new(n);
+            frames.tx.fill(1.0);
+            let x = (0..n + 2).map(|i| i as f64 * (law.thickness + gap)).collect();
+            Self {
+                dt,
+                x,
+                v: vec![0.0; n + 2],
+                force: vec![0.0; n],
+                chords: Chords::new(n),
+                frames,
+                stack: Stack::new(n),
+                solver: Tridiagonal::new(n),
+                law,
+            }
+        }
+
+        fn step(&mut self) {
+            let (n, zero) = (self.law.count, vec![0.0; self.law.count + 2]);
+            close(&mut self.x);
+            close(&mut self.v);
+            self.chords.evaluate(&self.x, &zero);
+            self.stack
+                .evaluate(&self.law, self.dt, &self.chords, &self.frames, [&self.v, &zero]);
+            let (mut diagonal, mut off) = (vec![self.law.mass / self.dt; n], vec![0.0; n]);
+            let mut change = self.force.clone();
+            self.stack.rows(
+                &self.law,
+                &self.chords,
+                &self.frames,
+                [&mut diagonal, &mut off, &mut change],
+            );
+            self.solver.solve(&diagonal, &off, &mut change);
+            for (k, change) in change.into_iter().enumerate() {
+                self.v[k + 1] += change;
+                self.x[k + 1] += self.dt * self.v[k + 1];
+            }
+        }
+    }
+
+    fn law(count: usize, oil: Oil) -> Law {
+        let mut law = Law::new(
+            &Parameters::default(),
+            &Options {
+                oil,
+                ..Options::default()
+            },
+        )
+        .unwrap();
+        law.count = count;
+        law
+    }
+
+    const DRY: Oil = Oil {
+        constant: 0.0,
+        floor: 6.0e-6,
+        suction: 19.0,
+    };
+
+    /// √(k_e/m_e) = 2742 m/s.
+    #[test]
+    fn a_pulse_in_a_straight_stack_travels_at_the_speed_of_its_waves() {
+        let mut row = Straight::new(law(400, DRY), 1.0e-8, -5.0e-6);
+        row.law.push_damping = 0.0;
+        let middle = 200.5;
+        for (i, v) in row.v.iter_mut().enumerate() {
+            *v = 1.0e-3 * (-((i as f64 - middle) / 10.0).powi(2)).exp();
+        }
+        let elements = 70.0;
+        let speed = (1.0e7_f64 / 1.33).sqrt();
+        assert!((speed - 2742.0).abs() < 0.5);
+        let steps = (elements * row.law.thickness / speed / row.dt).round() as usize;
+        for _ in 0..steps {
+            row.step();
+        }
+        let (mut sum, mut moment) = (0.0, 0.0);
+        for (i, v) in row.v.iter().enumerate().take(310).skip(235) {
+            sum += v;
+            moment += v * (i as f64 - middle);
+        }
+        let travelled = moment / sum;
+        assert!(
+            (travelled / elements - 1.0).abs() < 0.01,
+            "{travelled} elements instead of {elements}"
+        );
+    }
+
+    /// A constant force F closes a gap: 1/(h_0 + g)² = 1/(h_0 + g_0)² + 2 F t/C.
+    #[test]
+    fn a_gap_closes_over_oil_as_reynolds_says() {
+        let oil = Oil::between_faces(0.01, [8.0e-3, 24.0e-3], 0.1, 6.0e-6);
+        let (start, force) = (50.0e-6, 10.0);
+        let mut row = Straight::new(law(7, oil), 1.0e-7, start);
+        row.law.roughness = 1.0e-9;
+        // Six bodies follow the first; all but one gap stay open by oil that can't be squeezed: they are one body.
+        row.force[0] = force;
+        row.force[1] = -force;
+        for i in 3..9 {
+            row.x[i] += 1.0e-3 * (i - 2) as f64;
+        }
+        let steps = 200_000;
+        for _ in 0..steps {
+            row.step();
+        }
+        let gap = row.x[2] - row.x[1] - row.law.thickness;
+        let wide = |gap: f64| (oil.floor + gap).powi(-2);
+        let time = f64::from(steps) * row.dt;
+        let expected = (wide(start) + 2.0 * force * time / oil.constant).powf(-0.5) - oil.floor;
+        assert!(
+            gap < 0.5 * start && (gap / expected - 1.0).abs() < 0.01,
+            "{gap} instead of {expected}"
+        );
+    }
+
+    /// Reynolds' series for a rectangle: F = C ġ/g³.
+    #[test]
+    fn the_constant_of_a_rectangle_is_that_of_the_series() {
+        let (a, b) = (8.0e-3_f64, 24.0e-3_f64);
+        let pi = std::f64::consts::PI;
+        let series: f64 = (0..60)
+            .map(|k| {
+                let n = f64::from(2 * k + 1);
+                let half = n * pi * b / (2.0 * a);
+                (1.0 - half.tanh() / half) * 96.0 / (n * pi).powi(4)
+            })
+            .sum();
+        let exact = 0.01 * a.powi(3) * b * series;
+        let found = Oil::between_faces(0.01, [a, b], 1.0, 6.0e-6).constant;
+        assert!((found / exact - 1.0).abs() < 0.01, "{found} {exact}");
+    }
+
+    /// The suction never exceeds that at which oil cavitates.
+    #[test]
+    fn oil_cavitates() {
+        let oil = Oil::default();
+        for rate in [1e-4, 1e-2, 1.0, 100.0] {
+            assert!(oil.coefficient(0.0, rate) * rate <= oil.suction);
+            assert!(oil.coefficient(0.0, -rate) * rate >= oil.coefficient(0.0, rate) * rate);
+        }
+    }
+
+    /// −∂Q/∂ġ and −Δt ∂Q/∂g by differences.
+    #[test]
+    fn the_slope_of_a_step_is_that_of_the_law() {
+        let dt = 2.0e-6;
+        let push = |gap: f64, rate: f64, dt: f64| {
+            let mut row = Straight::new(law(7, DRY), dt, gap);
+            let zero = vec![0.0; 9];
+            row.v[2] = rate;
+            row.chords.evaluate(&row.x, &zero);
+            row.stack
+                .evaluate(&row.law, dt, &row.chords, &row.frames, [&row.v, &zero]);
+            (row.stack.push[1], row.stack.slope[1])
+        };
+        for gap in [-2.0e-6, -1.0e-7, 0.0, 1.0e-7] {
+            let (_, slope) = push(gap, 0.0, dt);
+            let by_rate = -(push(gap, 1e-3, 0.0).0 - push(gap, -1e-3, 0.0).0) / 2e-3;
+            let by_gap = -(push(gap + 1e-11, 0.0, 0.0).0 - push(gap - 1e-11, 0.0, 0.0).0) / 2e-11;
+            let expected = by_rate + dt * by_gap;
+            assert!((slope / expected - 1.0).abs() < 1e-5, "{gap}: {slope} {expected}");
+        }
     }
 }
