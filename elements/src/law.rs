@@ -110,11 +110,11 @@ impl Law {
         }
         let pitch_length = geometry.belt_length - std::f64::consts::TAU * belt.pitch_offset;
         let count = ((pitch_length - belt.play) / belt.element_thickness).round();
-        if !(7.0..=1e5).contains(&count) {
+        if !(50.0..=1e5).contains(&count) {
             return Err(ParameterError::new(
                 "belt.elementThickness",
                 belt.element_thickness,
-                "7 to 100000 elements",
+                "50 to 100000 elements in the belt",
             ));
         }
         // The stack is as long as it shall be; the thickness gives way by less than h/2N.

@@ -214,6 +214,7 @@ impl Machine {
         spread(right, dw, &mut self.w);
         self.ring.correct(law, dt, &self.frames, [&self.v, &self.w, dw]);
 
+        let couple = 0.5 * law.ring.lever / law.thickness;
         let all = n + 2;
         let (tx, ty, turn) = (&self.frames.tx[..all], &self.frames.ty[..all], &self.frames.turn[..all]);
         let (cx, cy) = (&self.chords.x[..all], &self.chords.y[..all]);
@@ -225,7 +226,10 @@ impl Machine {
             for k in 0..n {
                 let i = k + 1;
                 diagonal[k] = law.mass * per_step + flank[i][0];
-                right[k] = along[i] + drag[i] - law.mass * u[i] * turn[i] * per_step;
+                // o of a neighbour has a component along t.
+                let bend = |a: usize| ty[a] * tx[a + 1] - tx[a] * ty[a + 1];
+                let turned = couple * (drag[k] * bend(k) + drag[i + 1] * bend(i));
+                right[k] = along[i] + drag[i] + turned - law.mass * u[i] * turn[i] * per_step;
             }
         }
         self.stack.rows(law, &self.chords, &self.frames, [diagonal, off, right]);
@@ -233,7 +237,6 @@ impl Machine {
         spread(right, dv, &mut self.v);
         self.stack.correct(dv);
 
-        let couple = 0.5 * law.ring.lever / law.thickness;
         {
             let (push, v, w, dv) = (&self.stack.push[..all], &self.v[..all], &self.w[..all], &dv[..all]);
             let (ring, mass, ring_turn) = (&self.ring.across[..all], &self.ring.mass[..all], &self.ring.turn[..all]);
@@ -425,6 +428,9 @@ impl Machine {
             {
                 archive.real(value);
             }
+        }
+        for load in &mut self.loads {
+            archive.reals(&mut load.weight);
         }
         archive.reals(&mut self.ledger.0);
     }

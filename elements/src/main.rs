@@ -24,7 +24,7 @@ struct Arguments {
     #[arg(required = true)]
     cases: Vec<String>,
     /// Folder of the results: CASE.csv (each millisecond), CASE-fields.csv (along the belt), results.csv (a line a case)
-    #[arg(long, default_value = "target/elements")]
+    #[arg(long, default_value = "target/elements", overrides_with = "output")]
     output: PathBuf,
     /// The file of the lines, a line a case; a line of the same case and settings is replaced
     #[arg(long)]
