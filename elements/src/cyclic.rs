@@ -8,7 +8,7 @@ pub struct Tridiagonal {
 }
 
 impl Tridiagonal {
-    /// For `n` ≥ 3 unknowns.
+    /// For `n` ≥ 5 unknowns.
     #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
@@ -17,27 +17,47 @@ impl Tridiagonal {
         }
     }
 
-    /// Solves with the right-hand side in `x`, which becomes the solution.
+    /// Solves with the right-hand side in `x`, which becomes the solution. The elimination goes from both ends to the middle at once,
+    /// since each row waits for the division of the row before it.
     pub fn solve(&mut self, diagonal: &[f64], off: &[f64], x: &mut [f64]) {
         let n = self.inverse.len();
         let (diagonal, off, x) = (&diagonal[..n], &off[..n], &mut x[..n]);
         let (inverse, border) = (&mut self.inverse[..n], &mut self.border[..n]);
         let last = n - 1;
+        // Rows 0 to middle − 1 on one side, last − 1 to middle + 1 on the other, as many or one fewer.
+        let middle = last / 2;
         border.fill(0.0);
         border[0] = off[last];
         border[last - 1] = off[last - 1];
         inverse[0] = 1.0 / diagonal[0];
-        for i in 1..last {
-            let factor = off[i - 1] * inverse[i - 1];
-            inverse[i] = 1.0 / (diagonal[i] - factor * off[i - 1]);
-            x[i] -= factor * x[i - 1];
-            border[i] -= factor * border[i - 1];
+        inverse[last - 1] = 1.0 / diagonal[last - 1];
+        for k in 1..middle {
+            let factor = off[k - 1] * inverse[k - 1];
+            inverse[k] = 1.0 / (diagonal[k] - factor * off[k - 1]);
+            x[k] -= factor * x[k - 1];
+            border[k] -= factor * border[k - 1];
+            let i = last - 1 - k;
+            if i > middle {
+                let factor = off[i] * inverse[i + 1];
+                inverse[i] = 1.0 / (diagonal[i] - factor * off[i]);
+                x[i] -= factor * x[i + 1];
+                border[i] -= factor * border[i + 1];
+            }
         }
-        x[last - 1] *= inverse[last - 1];
-        border[last - 1] *= inverse[last - 1];
-        for i in (0..last - 1).rev() {
+        let (left, right) = (off[middle - 1] * inverse[middle - 1], off[middle] * inverse[middle + 1]);
+        inverse[middle] = 1.0 / (diagonal[middle] - left * off[middle - 1] - right * off[middle]);
+        x[middle] = (x[middle] - left * x[middle - 1] - right * x[middle + 1]) * inverse[middle];
+        border[middle] =
+            (border[middle] - left * border[middle - 1] - right * border[middle + 1]) * inverse[middle];
+        for k in 1..=middle {
+            let i = middle - k;
             x[i] = (x[i] - off[i] * x[i + 1]) * inverse[i];
             border[i] = (border[i] - off[i] * border[i + 1]) * inverse[i];
+            let i = middle + k;
+            if i < last {
+                x[i] = (x[i] - off[i - 1] * x[i - 1]) * inverse[i];
+                border[i] = (border[i] - off[i - 1] * border[i - 1]) * inverse[i];
+            }
         }
         let pivot = diagonal[last] - off[last] * border[0] - off[last - 1] * border[last - 1];
         let end = (x[last] - off[last] * x[0] - off[last - 1] * x[last - 1]) / pivot;

@@ -103,12 +103,13 @@ impl Stack {
         let (cx, cy, length) = (&chords.x[..gaps], &chords.y[..gaps], &chords.length[..gaps]);
         let (tx, ty) = (&frames.tx[..gaps + 1], &frames.ty[..gaps + 1]);
         let (v, u) = (&v[..gaps + 1], &u[..gaps + 1]);
+        let rate = &mut self.rate[..gaps];
         for i in 0..gaps {
             let along = |k: usize| {
                 let (t, o) = (tx[k] * cx[i] + ty[k] * cy[i], tx[k] * cy[i] - ty[k] * cx[i]);
                 v[k] * t + u[k] * o
             };
-            self.rate[i] = along(i + 1) - along(i);
+            rate[i] = along(i + 1) - along(i);
         }
         let (stiffness, damping) = (law.push_stiffness, law.push_damping);
         for from in (0..gaps).step_by(LANES) {
