@@ -17,6 +17,8 @@ pub struct Case {
     pub options: Options,
     /// Geometric ratio r_S/r_P that the primary cone holds.
     pub ratio: f64,
+    /// Ratio at the start; `None`: the same.
+    pub start_ratio: Option<f64>,
     /// Closing force of the secondary cone, N.
     pub force: f64,
     /// Torque of the load over that of full slip, 2 μ F r_S/cos β.
@@ -68,6 +70,7 @@ impl Case {
             parameters: Parameters::default(),
             options: Options::default(),
             ratio,
+            start_ratio: None,
             force: 15.0e3,
             share: share.parse().map_err(|_| error())?,
             speed: 209.0,
@@ -95,14 +98,16 @@ impl Case {
             }
         }
         let (lowest, highest) = self.parameters.ratio_range();
-        if !(lowest..=highest).contains(&self.ratio) {
-            return Err(ParameterError::new(
-                "ratio",
-                self.ratio,
-                format!("{lowest:.4} to {highest:.4}"),
-            ));
+        for (name, ratio) in [("ratio", self.ratio), ("start-ratio", self.started())] {
+            if !(lowest..=highest).contains(&ratio) {
+                return Err(ParameterError::new(name, ratio, format!("{lowest:.4} to {highest:.4}")));
+            }
         }
         Ok(())
+    }
+
+    fn started(&self) -> f64 {
+        self.start_ratio.unwrap_or(self.ratio)
     }
 
     /// Duration, s.
@@ -139,8 +144,9 @@ impl Case {
     pub fn start(&self) -> Result<Machine, ParameterError> {
         self.check()?;
         let law = Law::new(&self.parameters, &self.options)?;
-        let no_belt = || ParameterError::new("ratio", self.ratio, "one at which the belt closes");
-        let (primary, secondary) = self.parameters.pitch_radii(self.ratio).ok_or_else(no_belt)?;
+        let ratio = self.started();
+        let no_belt = || ParameterError::new("start-ratio", ratio, "one at which the belt closes");
+        let (primary, secondary) = self.parameters.pitch_radii(ratio).ok_or_else(no_belt)?;
         let path = Path::new(law.axes[1], [secondary, primary]);
         let n = law.count;
         let points: Vec<_> = (0..n).map(|i| path.at(i as f64 / n as f64 * path.length())).collect();

@@ -47,8 +47,7 @@ impl Tridiagonal {
         let (left, right) = (off[middle - 1] * inverse[middle - 1], off[middle] * inverse[middle + 1]);
         inverse[middle] = 1.0 / (diagonal[middle] - left * off[middle - 1] - right * off[middle]);
         x[middle] = (x[middle] - left * x[middle - 1] - right * x[middle + 1]) * inverse[middle];
-        border[middle] =
-            (border[middle] - left * border[middle - 1] - right * border[middle + 1]) * inverse[middle];
+        border[middle] = (border[middle] - left * border[middle - 1] - right * border[middle + 1]) * inverse[middle];
         for k in 1..=middle {
             let i = middle - k;
             x[i] = (x[i] - off[i] * x[i + 1]) * inverse[i];

@@ -1,5 +1,7 @@
 //! `cargo fmu elements CASE…`: runs cases of single elements.
 
+mod continuum;
+
 use clap::Parser as _;
 use pushbelt::fmi::table::Value;
 use pushbelt::variator::settings::parameters;
@@ -35,6 +37,9 @@ struct Arguments {
     /// Speed of the primary pulley, rad/s
     #[arg(long, default_value_t = 209.0)]
     speed: f64,
+    /// Ratio at the start [default: that of the case]
+    #[arg(long)]
+    start_ratio: Option<f64>,
     /// Duration, s, whose last quarter is the result [default: 0.3, in overdrive or below 100 rad/s 0.5]
     #[arg(long)]
     duration: Option<f64>,
@@ -59,6 +64,9 @@ struct Arguments {
     /// A word in the names of the files and lines
     #[arg(long)]
     label: Option<String>,
+    /// Solve the cases with the FMU's model instead, on two meshes and with `ALE0`, and write the lines to continuum.csv
+    #[arg(long)]
+    continuum: bool,
     /// Start again, also where a stored state could go on
     #[arg(long)]
     restart: bool,
@@ -92,6 +100,7 @@ fn case(arguments: &Arguments, name: &str) -> Result<Case, String> {
         case.name = format!("{name}-{label}");
     }
     (case.force, case.speed, case.duration) = (arguments.force, arguments.speed, arguments.duration);
+    case.start_ratio = arguments.start_ratio;
     for setting in &arguments.settings {
         let (name, value) = setting
             .split_once('=')
@@ -120,6 +129,9 @@ fn case(arguments: &Arguments, name: &str) -> Result<Case, String> {
 /// Runs a case, or what is left of it.
 fn one(arguments: &Arguments, name: &str) -> Result<(), String> {
     let case = case(arguments, name)?;
+    if arguments.continuum {
+        return other_side(arguments, &case);
+    }
     let folder = &arguments.output;
     let io = |error: std::io::Error| format!("{}: {error}", folder.display());
     fs::create_dir_all(folder).map_err(io)?;
@@ -152,7 +164,8 @@ fn one(arguments: &Arguments, name: &str) -> Result<(), String> {
     let [idle_s, idle_p] = run.idle_arcs();
     let path = arguments.results.clone().unwrap_or_else(|| folder.join("results.csv"));
     let line = format!("{},{},{idle_s:.3},{idle_p:.3}", case.name, result.line());
-    add_line(&path, &case.name, &line).map_err(io)?;
+    let header = format!("case,{},secondary.idleArc,primary.idleArc", header());
+    add_line(&path, &header, &case.name, &line).map_err(io)?;
     println!(
         "{}: ratio {:.4}, thrust ratio {:.4}, slip {:.4} %, efficiency {:.3} %, idle arcs S {idle_s:.2}, P {idle_p:.2} rad, push \
          force {:.1} to {:.0} N, energy to {:.4} % of what passes",
@@ -166,6 +179,27 @@ fn one(arguments: &Arguments, name: &str) -> Result<(), String> {
         100.0 * result.residual(),
     );
     run.check_steady().map_err(|fault| fault.to_string())
+}
+
+/// Lines of the FMU's model.
+fn other_side(arguments: &Arguments, case: &Case) -> Result<(), String> {
+    let path = arguments
+        .results
+        .clone()
+        .unwrap_or_else(|| arguments.output.join("continuum.csv"));
+    for model in continuum::MODELS {
+        let name = format!("{},{}", case.name, model.0);
+        match continuum::line(case, model) {
+            Ok(line) => {
+                let line = format!("{name},{line}");
+                println!("{line}");
+                let header = format!("case,model,{}", continuum::COLUMNS);
+                add_line(&path, &header, &name, &line).map_err(|error| format!("{}: {error}", path.display()))?;
+            }
+            Err(error) => eprintln!("{name}: {error}"),
+        }
+    }
+    Ok(())
 }
 
 fn progress(run: &Run, steps: f64, seconds: f64) {
@@ -203,8 +237,11 @@ fn write_state(run: &mut Run, path: &Path, settings: &str) -> std::io::Result<()
     fs::rename(part, path)
 }
 
-/// Adds a line, or replaces that of the same case.
-fn add_line(path: &Path, name: &str, line: &str) -> std::io::Result<()> {
+/// Adds a line, or replaces that of the same name, in a file with a header.
+fn add_line(path: &Path, header: &str, name: &str, line: &str) -> std::io::Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
     let before = fs::read_to_string(path).unwrap_or_default();
     let start = format!("{name},");
     let mut lines: Vec<_> = before
@@ -214,12 +251,5 @@ fn add_line(path: &Path, name: &str, line: &str) -> std::io::Result<()> {
         .collect();
     lines.push(line);
     lines.sort_unstable();
-    fs::write(
-        path,
-        format!(
-            "case,{},secondary.idleArc,primary.idleArc\n{}\n",
-            header(),
-            lines.join("\n")
-        ),
-    )
+    fs::write(path, format!("{header}\n{}\n", lines.join("\n")))
 }

@@ -39,7 +39,7 @@ const ROW: usize = 2 + SUMS + Ledger::NAMES.len() + 4;
 pub struct Row([f64; ROW]);
 
 /// Names of the columns of results.
-pub const COLUMNS: [&str; 15] = [
+pub const COLUMNS: [&str; 17] = [
     "time",
     "ratio",
     "thrustRatio",
@@ -47,6 +47,8 @@ pub const COLUMNS: [&str; 15] = [
     "efficiency",
     "secondary.axialForce",
     "primary.axialForce",
+    "secondary.radius",
+    "primary.radius",
     "secondary.speed",
     "primary.speed",
     "secondary.beltTorque",
@@ -161,8 +163,7 @@ impl Row {
         let more = [self.0[ROW - 3], self.0[ROW - 2], self.0[ROW - 1], self.residual()];
         let powers = self.ledger().0.map(|energy| energy / self.0[1]);
         let mut line = String::new();
-        let pulleys = [m[0], m[1], m[4], m[5], m[6], m[7]];
-        let all = values.iter().chain(&pulleys).chain(&more).chain(&powers);
+        let all = values.iter().chain(m).chain(&more).chain(&powers);
         for (k, value) in all.enumerate() {
             let comma = if k > 0 { "," } else { "" };
             // Writing to a string doesn't fail.
