@@ -111,15 +111,14 @@ impl Flanks {
         self.find(law, pulleys, frames, [x, y, v, u]);
         let cos_beta = law.wedge[1];
         for pack in self.touches.chunks_mut(LANES) {
-            let lane = |of: &dyn Fn(&FlankMotion<f64>) -> f64| {
-                Lanes::new(std::array::from_fn(|k| of(&pack[k.min(pack.len() - 1)].motion)))
-            };
+            let last = pack.len() - 1;
+            let motions: [_; LANES] = std::array::from_fn(|k| pack[k.min(last)].motion);
             let motion = FlankMotion {
-                penetration: lane(&|m| m.penetration),
+                penetration: Lanes::new(motions.map(|m| m.penetration)),
                 // With unit damping, the viscous force is ∂N/∂g.
                 closing: Lanes::from(1.0),
-                tangential: lane(&|m| m.tangential),
-                along_flank: lane(&|m| m.along_flank),
+                tangential: Lanes::new(motions.map(|m| m.tangential)),
+                along_flank: Lanes::new(motions.map(|m| m.along_flank)),
             };
             let force = flank_force(&law.unit_damped, &law.friction, cos_beta, &motion);
             let square = motion.tangential * motion.tangential + motion.along_flank * motion.along_flank;

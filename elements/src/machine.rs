@@ -265,18 +265,20 @@ impl Machine {
     fn advance(&mut self) {
         let (n, dt, e) = (self.law.count, self.dt, self.law.ring.offset);
         let per_step = 1.0 / dt;
+        let all = n + 2;
+        let [v, u, w] = [&self.v, &self.u, &self.w].map(|row| &row[..all]);
+        let [tx, ty, turn] = [&self.frames.tx, &self.frames.ty, &self.frames.turn].map(|row| &row[..all]);
+        let [length, steel] = [&self.ring.chords.length, &self.ring.steel].map(|row| &row[..all]);
+        let (x, y, s) = (&mut self.x[..all], &mut self.y[..all], &mut self.s[..all]);
         for i in 1..=n {
-            let turn = self.frames.turn[i];
-            let half = 0.5 * turn;
+            let half = 0.5 * turn[i];
             let cos = 1.0 - 0.5 * half * half;
             // t' = t cos − o sin, o' = o cos + t sin.
-            let (v, u) = (self.v[i] * cos + self.u[i] * half, self.u[i] * cos - self.v[i] * half);
-            let (tx, ty) = (self.frames.tx[i], self.frames.ty[i]);
-            self.x[i] += dt * (v * tx - u * ty);
-            self.y[i] += dt * (v * ty + u * tx);
-            let stretch = (self.ring.chords.length[i] + self.ring.chords.length[i - 1])
-                / (self.ring.steel[i] + self.ring.steel[i - 1]);
-            self.s[i] += dt * (self.v[i] + e * turn * per_step - self.w[i]) / stretch;
+            let (along, across) = (v[i] * cos + u[i] * half, u[i] * cos - v[i] * half);
+            x[i] += dt * (along * tx[i] - across * ty[i]);
+            y[i] += dt * (along * ty[i] + across * tx[i]);
+            let shrink = (steel[i] + steel[i - 1]) / (length[i] + length[i - 1]);
+            s[i] += dt * (v[i] + e * turn[i] * per_step - w[i]) * shrink;
         }
         let parameters = [&self.parameters.secondary, &self.parameters.primary];
         for j in 0..2 {
@@ -294,19 +296,19 @@ impl Machine {
     /// Adds the losses of the step.
     fn book(&mut self) {
         let (n, law) = (self.law.count, &self.law);
+        let (all, ring) = (self.law.count + 1, &self.ring);
+        let [friction, rubbed, stretched, steel] =
+            [&ring.friction, &ring.drag, &ring.rate, &ring.steel].map(|row| &row[..all]);
+        let [angle_rate, mass] = [&ring.angle_rate, &ring.mass].map(|row| &row[..all]);
+        let [closing, oiled, damped] = [&self.stack.rate, &self.stack.oil, &self.stack.damping].map(|row| &row[..all]);
         let (mut drag, mut oil, mut push, mut stretch, mut bend) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for i in 1..=n {
-            let ring = &self.ring;
-            drag += if ring.friction[i] > 0.0 {
-                ring.drag[i] * ring.drag[i] / ring.friction[i]
-            } else {
-                0.0
-            };
-            let rate = self.stack.rate[i] * self.stack.rate[i];
-            oil += self.stack.oil[i] * rate;
-            push += self.stack.damping[i] * rate;
-            stretch += ring.rate[i] * ring.rate[i] / ring.steel[i];
-            bend += ring.angle_rate[i] * ring.angle_rate[i] / ring.mass[i];
+            drag += rubbed[i] * rubbed[i] / friction[i].max(f64::MIN_POSITIVE);
+            let square = closing[i] * closing[i];
+            oil += oiled[i] * square;
+            push += damped[i] * square;
+            stretch += stretched[i] * stretched[i] / steel[i];
+            bend += angle_rate[i] * angle_rate[i] / mass[i];
         }
         let ring = &law.ring;
         stretch *= ring.axial_stiffness * ring.damping;

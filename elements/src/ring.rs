@@ -194,19 +194,28 @@ impl Ring {
     /// The forces after w has changed by `change`, with its copies, to `w`.
     pub fn correct(&mut self, law: &Law, dt: f64, frames: &Frames, [v, w, change]: [&[f64]; 3]) {
         let (n, lever) = (law.count, law.ring.lever);
-        let (tx, ty) = (&frames.tx[..n + 1], &frames.ty[..n + 1]);
-        let (rx, ry) = (&self.chords.x[..n + 1], &self.chords.y[..n + 1]);
-        let mut before = self.slope[0] * (change[1] - change[0]);
-        self.tension[0] += before;
+        let (tx, ty) = (&frames.tx[..n + 2], &frames.ty[..n + 2]);
+        let (rx, ry) = (&self.chords.x[..n + 2], &self.chords.y[..n + 2]);
+        let all = n + 2;
+        let [v, w, change, turn] = [v, w, change, &frames.turn].map(|row| &row[..all]);
+        let [slope, mass, friction, own_turn] =
+            [&self.slope, &self.mass, &self.friction, &self.turn].map(|row| &row[..all]);
+        let (tension, rate, across) = (&mut self.tension[..all], &mut self.rate[..all], &mut self.across[..all]);
+        let (contact, drag) = (&mut self.contact[..all], &mut self.drag[..all]);
+        let (per_step, first) = (1.0 / dt, change[1] - change[0]);
+        let mut before = slope[0] * first;
+        tension[0] += before;
+        rate[0] += first;
         for i in 1..=n {
-            let rise = self.slope[i] * (change[i + 1] - change[i]);
-            self.tension[i] += rise;
-            self.rate[i] += change[i + 1] - change[i];
-            let across = |k: usize| ry[k] * tx[i] - rx[k] * ty[i];
-            self.across[i] += rise * across(i) - before * across(i - 1);
+            let faster = change[i + 1] - change[i];
+            let rise = slope[i] * faster;
+            tension[i] += rise;
+            rate[i] += faster;
+            let outward = |k: usize| ry[k] * tx[i] - rx[k] * ty[i];
+            across[i] += rise * outward(i) - before * outward(i - 1);
             before = rise;
-            self.contact[i] = -self.across[i] - self.mass[i] * w[i] * self.turn[i];
-            self.drag[i] = self.friction[i] * (w[i] - v[i] - lever * frames.turn[i] / dt);
+            contact[i] = -across[i] - mass[i] * w[i] * own_turn[i];
+            drag[i] = friction[i] * (w[i] - v[i] - lever * turn[i] * per_step);
         }
         close(&mut self.drag);
     }

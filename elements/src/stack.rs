@@ -113,7 +113,12 @@ impl Stack {
         }
         let (stiffness, damping) = (law.push_stiffness, law.push_damping);
         for from in (0..gaps).step_by(LANES) {
-            let pack = |of: &[f64]| Lanes::new(std::array::from_fn(|k| of[(from + k).min(gaps - 1)]));
+            let pack = |of: &[f64]| {
+                Lanes::new(match of.get(from..from + LANES) {
+                    Some(whole) => std::array::from_fn(|k| whole[k]),
+                    None => std::array::from_fn(|k| of[(from + k).min(gaps - 1)]),
+                })
+            };
             let (overlap, rate) = (-pack(length) + law.thickness, pack(&self.rate));
             let [closed, slope, _] = overlap.soft_plus(law.roughness);
             let oil = law.oil.coefficient(closed - overlap, rate);
