@@ -3,7 +3,7 @@
 mod continuum;
 
 use clap::Parser as _;
-use pushbelt::fmi::table::Value;
+use pushbelt::fmi::table::{Kind, Value};
 use pushbelt::variator::settings::parameters;
 use pushbelt_archive::Archive;
 use pushbelt_elements::case::Case;
@@ -109,15 +109,13 @@ fn case(arguments: &Arguments, name: &str) -> Result<Case, String> {
         let variable = found
             .ok_or_else(|| format!("--set {setting}: the FMU has no parameter {name}"))?
             .variable();
-        let number = || {
-            value
-                .parse()
-                .map_err(|_| format!("--set {setting}: {value} is no number"))
+        let given = match variable.kind {
+            Kind::Real { .. } => value.parse().map(Value::Real).ok(),
+            Kind::Integer { .. } | Kind::Enumeration { .. } => value.parse().map(Value::Integer).ok(),
+            Kind::Boolean { .. } => value.parse().map(Value::Boolean).ok(),
         };
-        let real = variable.set(&mut case.parameters, Value::Real(number()?));
-        if real.is_err() {
-            variable.set(&mut case.parameters, Value::Integer(number()? as i64))?;
-        }
+        let given = given.ok_or_else(|| format!("--set {setting}: {value} is no value of {name}"))?;
+        variable.set(&mut case.parameters, given)?;
     }
     let belt = &case.parameters.belt;
     case.options.oil = Oil::of_squeeze(arguments.squeeze, arguments.film, belt.element_thickness, belt.suction);
