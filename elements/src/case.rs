@@ -120,10 +120,9 @@ impl Case {
     /// Time step, s.
     #[must_use]
     pub fn step(&self) -> f64 {
-        let fastest = self.speed * (1.0 / self.ratio).max(1.0);
         self.options
             .step
-            .unwrap_or(STEP * STEP_SPEED / fastest.max(0.5 * STEP_SPEED))
+            .unwrap_or(STEP * STEP_SPEED / self.speed.max(0.5 * STEP_SPEED))
     }
 
     /// Torque of the load on the secondary shaft, N·m.

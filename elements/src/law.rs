@@ -14,7 +14,7 @@ pub struct Options {
     pub lever: Option<f64>,
     /// Damping time of the ring's curvature, s.
     pub curvature_damping: f64,
-    /// Time step, s; `None`: 2e-6 s at 200 rad/s of the faster shaft and in proportion to 1/ω.
+    /// Time step, s; `None`: 2e-6 s at 200 rad/s of the primary shaft and in proportion to 1/ω, at most 4e-6 s.
     pub step: Option<f64>,
 }
 

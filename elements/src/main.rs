@@ -43,7 +43,7 @@ struct Arguments {
     /// Duration, s, whose last quarter is the result [default: 0.3, in overdrive or below 100 rad/s 0.5]
     #[arg(long)]
     duration: Option<f64>,
-    /// Time step, s [default: 2e-6 at 200 rad/s of the faster shaft, in proportion to 1/speed]
+    /// Time step, s [default: 2e-6 at a primary speed of 200 rad/s, in proportion to 1/speed, at most 4e-6]
     #[arg(long)]
     step: Option<f64>,
     /// Oil: distance of rough faces in contact, m
