@@ -89,6 +89,7 @@ impl Case {
             ("speed", self.speed, [1.0, 2.0e3]),
             ("duration", self.duration(), [1.0e-4, 100.0]),
             ("step", self.step(), [1.0e-9, 1.0e-4]),
+            ("contact-threshold", self.options.contact_threshold, [0.0, 1.0e3]),
             ("curvature-damping", self.options.curvature_damping, [0.0, 1.0]),
             ("film", self.options.oil.floor, [1.0e-9, 1.0e-3]),
             ("squeeze", self.options.oil.constant, [0.0, 1.0]),

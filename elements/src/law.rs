@@ -12,6 +12,8 @@ pub struct Options {
     /// Lever of the ring's friction, m: distance from the rocking edge out to the middle of the innermost layer; `None`:
     /// e − (n − 1) t/2 of the layers.
     pub lever: Option<f64>,
+    /// Contact force of ring and element up to which it has no friction, N: what the strand's vibration rectifies is below 2 N.
+    pub contact_threshold: f64,
     /// Damping time of the ring's curvature, s.
     pub curvature_damping: f64,
     /// Time step, s; `None`: 2e-6 s at 200 rad/s of the primary shaft and in proportion to 1/ω, at most 4e-6 s.
@@ -23,6 +25,7 @@ impl Default for Options {
         Self {
             oil: Oil::default(),
             lever: None,
+            contact_threshold: 0.0,
             curvature_damping: 2.0e-5,
             step: None,
         }
@@ -48,6 +51,8 @@ pub struct RingLaw {
     pub offset: f64,
     /// Lever e_1 of the friction, m.
     pub lever: f64,
+    /// Contact force up to which there is no friction, N_0, N.
+    pub contact_threshold: f64,
 }
 
 /// Constants of all laws. Pulleys are in the order secondary, primary.
@@ -144,6 +149,7 @@ impl Law {
                 mass_per_length: parameters.ring.mass_per_length,
                 offset: belt.pitch_offset,
                 lever,
+                contact_threshold: options.contact_threshold,
             },
             contact: parameters.contact.clone(),
             unit_damped: Contact {

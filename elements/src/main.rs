@@ -55,6 +55,9 @@ struct Arguments {
     /// Lever of the ring's friction, m [default: that of the innermost layer]
     #[arg(long)]
     lever: Option<f64>,
+    /// Contact force of ring and element up to which it has no friction, N
+    #[arg(long, default_value_t = 0.0)]
+    contact_threshold: f64,
     /// Damping time of the ring's curvature, s
     #[arg(long, default_value_t = 2.0e-5)]
     curvature_damping: f64,
@@ -120,6 +123,7 @@ fn case(arguments: &Arguments, name: &str) -> Result<Case, String> {
     let belt = &case.parameters.belt;
     case.options.oil = Oil::of_squeeze(arguments.squeeze, arguments.film, belt.element_thickness, belt.suction);
     (case.options.lever, case.options.step) = (arguments.lever, arguments.step);
+    case.options.contact_threshold = arguments.contact_threshold;
     case.options.curvature_damping = arguments.curvature_damping;
     Ok(case)
 }

@@ -10,7 +10,7 @@
 //! - along the belt m_i (ẇ + U Ω) = F·t − q; across, F·o and the inertia m_i act on the element,
 //! - the true contact force N = −F·o − m_i w Ω_r, which is T κ − EI κ'' − m_r w² κ, with the turning Ω_r = Ω − Ṡ κ of the
 //!   steel,
-//! - friction of the ring on the element at the lever e_1: q = μ_r ⟨N⟩ s/√(s² + v_0²), s = w − V − e_1 Ω. Its couple e_1 q about
+//! - friction of the ring on the element at the lever e_1: q = μ_r ⟨N − N_0⟩ s/√(s² + v_0²), s = w − V − e_1 Ω, N_0 = 0. Its couple e_1 q about
 //!   the rocking edge acts on both neighbours, ∓(e_1 q/2h) o_i, since they orient the element.
 //!
 //! All layers have the same mean speed. What layers lose on each other is not in this model.
@@ -169,7 +169,8 @@ impl Ring {
             let passing = v[i] + ring.offset * omega - w[i];
             turn[i] = omega - passing * angle[i] * ring.mass_per_length / mass[i];
             let sliding = w[i] - v[i] - ring.lever * omega;
-            friction[i] = law.friction.ring * contact[i].max(0.0) / (sliding * sliding + v0 * v0).sqrt();
+            friction[i] = law.friction.ring * (contact[i] - ring.contact_threshold).max(0.0)
+                / (sliding * sliding + v0 * v0).sqrt();
         }
     }
 
