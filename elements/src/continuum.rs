@@ -4,7 +4,7 @@
 //! elements. The lever of the ring's friction is the FMU's own.
 
 use pushbelt::variator::Variator;
-use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, RingModel};
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, RingModel, StartState};
 use pushbelt_elements::case::Case;
 
 /// Names of the columns behind case and model.
@@ -60,10 +60,13 @@ fn steady(case: &Case, ring: RingModel, mesh: i32) -> Result<Outputs, String> {
     for _ in 0..TRIALS {
         let mut variator = Variator::new(of.clone()).map_err(|error| error.to_string())?;
         variator.initialise(0.0, &inputs).map_err(|error| error.to_string())?;
-        if let Some(message) = variator.take_messages().first() {
-            return Err(message.text.to_string());
-        }
+        let messages = variator.take_messages();
         let outputs = variator.outputs().clone();
+        if outputs.start_state != StartState::Steady {
+            return Err(messages
+                .first()
+                .map_or_else(|| "no steady state".to_owned(), |message| message.text.to_string()));
+        }
         let excess = outputs.ratio_geometric / case.ratio;
         if (excess - 1.0).abs() < RATIO {
             return Ok(outputs);
