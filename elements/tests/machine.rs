@@ -112,6 +112,12 @@ fn energy_closes_and_half_the_step_changes_little() {
         case.options.step = Some(step);
         let mut run = Run::new(case).unwrap();
         run.advance(u64::MAX).unwrap();
+        // At this time the ratio's controller still works.
+        let fault = run.check_steady().unwrap_err().to_string();
+        assert!(
+            fault.contains("no steady state: the thrust ratio changes by"),
+            "{fault}"
+        );
         run
     };
     let [whole, half] = [2.0e-6, 1.0e-6].map(run);
@@ -190,4 +196,21 @@ fn a_step_that_is_too_large_ends_with_element_time_and_cause() {
         "{text}"
     );
     assert!(run.rows_csv().lines().count() == 1 + run.rows.len());
+}
+
+#[test]
+fn an_element_that_leaves_the_belt_is_named() {
+    let mut machine = short("medium-0.4", 0.01).start().unwrap();
+    machine.check().unwrap();
+    machine.u[123] = 30.0;
+    let fault = machine.check().unwrap_err();
+    assert_eq!(fault.element, 123);
+    assert!(fault.to_string().contains("leaves the belt at 30.0 m/s"), "{fault}");
+    machine.u[123] = 0.0;
+    machine.chords.length[77] *= 2.5;
+    assert_eq!(machine.check().unwrap_err().element, 77);
+    machine.chords.length[77] /= 2.5;
+    machine.pulleys[1].z = 1.0;
+    let fault = machine.check().unwrap_err().to_string();
+    assert!(fault.contains("the primary sheaves reach their stop"), "{fault}");
 }
