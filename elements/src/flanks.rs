@@ -310,9 +310,9 @@ mod tests {
         let [tt, to, oo] = touch.fall(cos_beta);
         let d = 1.0e-3;
         for (column, expected) in [((d, 0.0), [tt, to]), ((0.0, d), [to, oo])] {
-            for k in 0..2 {
+            for (k, expected) in expected.into_iter().enumerate() {
                 let found = (force(-column.0, -column.1)[k] - force(column.0, column.1)[k]) / (2.0 * d);
-                assert!((found - expected[k]).abs() < 1e-6 * tt, "{found} {}", expected[k]);
+                assert!((found - expected).abs() < 1e-6 * tt, "{found} {expected}");
             }
         }
     }

@@ -168,9 +168,9 @@ impl Machine {
         let length = &machine.ring.chords.length;
         let per_chord = machine.law.ring.length / length[1..=n].iter().sum::<f64>();
         let mut place = 0.0;
-        for i in 1..=n {
-            machine.s[i] = place;
-            place += length[i] * per_chord;
+        for (place_of, length) in machine.s[1..=n].iter_mut().zip(&length[1..]) {
+            *place_of = place;
+            place += length * per_chord;
         }
         machine
     }
@@ -281,8 +281,8 @@ impl Machine {
             s[i] += dt * (v[i] + e * turn[i] * per_step - w[i]) * shrink;
         }
         let parameters = [&self.parameters.secondary, &self.parameters.primary];
-        for j in 0..2 {
-            let (work, closing) = self.pulleys[j].step(parameters[j], &self.loads[j], self.drive[j], dt);
+        for (j, parameters) in parameters.into_iter().enumerate() {
+            let (work, closing) = self.pulleys[j].step(parameters, &self.loads[j], self.drive[j], dt);
             self.closing[j] = closing;
             self.ledger.0[j] += work.shaft;
             self.ledger.0[2 + j] += work.cone;
@@ -348,8 +348,8 @@ impl Machine {
             parts[4] += 2.0 * law.thickness * energy_density(&law.contact, law.wedge[1], penetration, depth);
         }
         let of = [&self.parameters.secondary, &self.parameters.primary];
-        for j in 0..2 {
-            parts[5] += self.pulleys[j].energy(of[j], self.drive[j].0);
+        for (j, of) in of.into_iter().enumerate() {
+            parts[5] += self.pulleys[j].energy(of, self.drive[j].0);
         }
         parts
     }

@@ -282,7 +282,7 @@ impl Run {
                 *sum += value;
             }
             self.count += 1.0;
-            if self.steps % SAMPLE == 0 {
+            if self.steps.is_multiple_of(SAMPLE) {
                 self.sample()?;
             }
             if self.machine.time >= (self.rows.len() + 1) as f64 * INTERVAL - 0.5 * self.machine.dt {
