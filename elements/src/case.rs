@@ -25,7 +25,7 @@ pub struct Case {
     pub share: f64,
     /// Speed of the primary shaft, rad/s.
     pub speed: f64,
-    /// Duration, s, whose last quarter is the result; `None`: 0.3 s, or 0.5 s in overdrive or below 100 rad/s.
+    /// Duration, s, whose last quarter is the result; `None`: 0.3 s, or 0.5 s at both end ratios or below 100 rad/s.
     pub duration: Option<f64>,
 }
 
@@ -114,7 +114,7 @@ impl Case {
     /// Duration, s.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        let slow = self.ratio < 0.6 || self.speed < 100.0;
+        let slow = !(0.6..=1.6).contains(&self.ratio) || self.speed < 100.0;
         self.duration.unwrap_or(if slow { 0.5 } else { 0.3 })
     }
 

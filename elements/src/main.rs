@@ -40,7 +40,7 @@ struct Arguments {
     /// Ratio at the start [default: that of the case]
     #[arg(long)]
     start_ratio: Option<f64>,
-    /// Duration, s, whose last quarter is the result [default: 0.3, in overdrive or below 100 rad/s 0.5]
+    /// Duration, s, whose last quarter is the result [default: 0.3, at both end ratios or below 100 rad/s 0.5]
     #[arg(long)]
     duration: Option<f64>,
     /// Time step, s [default: 2e-6 at a primary speed of 200 rad/s, in proportion to 1/speed, at most 4e-6]

@@ -51,7 +51,7 @@ struct Arguments {
 const TIMES: &str = "\
 Times on two processor cores, once the model is compiled and the Python packages are installed:
   seconds      belt, build, demo, compare, describe, durability, linearize
-  a minute     drive, sweep, calibrate (60 points), bench
+  a minute     drive, sweep, calibrate (60 points), bench, elements (a case)
   two minutes  maps
   minutes      test (3), validate (3), paper, docs
   15 minutes   test --all
