@@ -105,11 +105,10 @@ impl Stack {
         let (v, u) = (&v[..gaps + 1], &u[..gaps + 1]);
         let rate = &mut self.rate[..gaps];
         for i in 0..gaps {
-            let along = |k: usize| {
-                let (t, o) = (tx[k] * cx[i] + ty[k] * cy[i], tx[k] * cy[i] - ty[k] * cx[i]);
-                v[k] * t + u[k] * o
-            };
-            rate[i] = along(i + 1) - along(i);
+            let (a, b) = (i, i + 1);
+            let (ax, ay) = (v[a] * tx[a] - u[a] * ty[a], v[a] * ty[a] + u[a] * tx[a]);
+            let (bx, by) = (v[b] * tx[b] - u[b] * ty[b], v[b] * ty[b] + u[b] * tx[b]);
+            rate[i] = (bx - ax) * cx[i] + (by - ay) * cy[i];
         }
         let (stiffness, damping) = (law.push_stiffness, law.push_damping);
         for from in (0..gaps).step_by(LANES) {
