@@ -14,7 +14,7 @@
 //!   the rocking edge acts on both neighbours, ∓(e_1 q/2h) o_i, since they orient the element.
 //!
 //! All layers have the same mean speed. What layers lose on each other is not in this model.
-//! Left out: S ∂w/∂S beside ẇ, a thousandth of the tension's changes.
+//! Left out: Ṡ ∂w/∂S beside ẇ.
 
 use crate::frames::{Chords, Frames, close};
 use crate::law::Law;
@@ -165,7 +165,7 @@ impl Ring {
             along[i] = fx * tx[i] + fy * ty[i];
             across[i] = fy * tx[i] - fx * ty[i];
             let omega = frames.turn[i] * per_step;
-            // The node passes 1/λ of this along the steel, and its curvature is per length of steel: λ cancels.
+            // Ṡ κ; λ is 1 within a thousandth.
             let passing = v[i] + ring.offset * omega - w[i];
             turn[i] = omega - passing * angle[i] * ring.mass_per_length / mass[i];
             let sliding = w[i] - v[i] - ring.lever * omega;
