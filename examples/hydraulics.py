@@ -1,7 +1,8 @@
 """A small hydraulic circuit around the variator: pump, relief valve, two valves, compliance of the lines; steps of 1 ms.
 
-The FMU takes the pressures of both cylinders and returns their flows. It needs `pushbelt`, numpy and matplotlib, and
-writes hydraulics.png, or the file that is given.
+The FMU takes the pressures of both cylinders, which ramp over each step, and returns the volumes of oil in them: their
+change is the mean flow. It needs `pushbelt`, numpy and matplotlib, and writes hydraulics.png, or the file that is given.
+With `--limits` it prints from which compliance on a circuit is stable, and what oil is lost, with either feedback.
 """
 
 import sys
@@ -19,7 +20,7 @@ PULLEYS = ("primary", "secondary")
 SECONDARY = 1.2e6  # Pa, set point of the secondary pressure
 START = {**parameter_set(str(RESOURCES / "bench168-cylinders.json")), "ring.model": 1, "initial.equilibrium": True,
          "primary.drive": 2, "primary.speedSetpoint": 200.0, "secondary.torque": -60.0, "secondary.inertia": 2.0,
-         "primary.clampingForce": 0.0, "secondary.clampingForce": 0.0,
+         "inputs.ramp": -1.0, "primary.clampingForce": 0.0, "secondary.clampingForce": 0.0,
          "primary.pressure": 1.05e6, "secondary.pressure": SECONDARY}  # fmt: skip
 
 
@@ -89,13 +90,15 @@ def main(
         state = variator.start()
         circuit = Circuit(np.array([3e6, *of_both("pressure", START)]), np.full(3, compliance))
         begin, work, pressures = circuit.stored, np.zeros(2), [circuit.pressures]
+        before = of_both("cylinder.volume", state)
         for k in range(round(END / STEP)):
-            place = of_both("position", state)
+            place, volume = of_both("position", state), of_both("cylinder.volume", state)
             hold = np.clip((SECONDARY - circuit.pressures[2]) / 2e5, -1.0, 1.0)
-            circuit.advance((command(k * STEP), hold), of_both("cylinder.flow", state))
+            circuit.advance((command(k * STEP), hold), (volume - before) / STEP)
+            before = volume
             given = zip(PULLEYS, circuit.pressures[1:], strict=True)
             state = variator.step(STEP, {f"{pulley}.pressure": pressure for pulley, pressure in given})
-            # In the FMU pressures are linear over a step of 1 ms.
+            # In the FMU pressures are linear over a step.
             mean = 0.5 * (pressures[-1] + circuit.pressures)[1:]
             work += mean * of_both("cylinder.area", START) * (of_both("position", state) - place)
             pressures.append(circuit.pressures)
@@ -133,5 +136,59 @@ def plot(trace: np.ndarray, pressures: np.ndarray, path: str) -> None:
     figure.savefig(path, dpi=100)
 
 
+FEEDBACK = {"ΔV/h, whole-step ramps": (True, -1.0), "cylinder.flow, whole-step ramps": (False, -1.0),
+            "cylinder.flow, held inputs": (False, 0.0)}  # fmt: skip
+
+
+def coupled(
+    step: float, compliance: float, feedback: tuple[bool, float], supply: float = 0.0, end: float = 0.2
+) -> tuple[np.ndarray, float, float]:
+    """A compliance alone at the primary cylinder, from 1 bar more than in the equilibrium on, and a constant pressure at
+    the secondary one. The supply, m³/s, pulsates at 25 Hz. The feedback: whether it is ΔV/h, and `inputs.ramp`.
+
+    Returns the primary pressures, Pa, the oil that was supplied, and that which compliance and cylinder took, m³.
+    """
+    exact, ramp = feedback
+    with pushbelt.Variator("bench168", {**START, "inputs.ramp": ramp}) as variator:
+        state = variator.start()
+        first = before = state["primary.cylinder.volume"]
+        pressures, supplied = [START["primary.pressure"] + 1e5], 0.0
+        for k in range(round(end / step)):
+            state = variator.step(step, {"primary.pressure": pressures[-1]})
+            volume = state["primary.cylinder.volume"]
+            drawn = (volume - before) / step if exact else state["primary.cylinder.flow"]
+            before, flow = volume, supply if (k * step + 1e-6) % 0.04 < 0.02 else 0.0
+            supplied += step * flow
+            pressures.append(pressures[-1] + step * (flow - drawn) / compliance)
+            if not 0.0 < pressures[-1] < 4e6:
+                break
+    return np.array(pressures), supplied, volume - first + compliance * (pressures[-1] - pressures[0])
+
+
+def is_stable(step: float, compliance: float, feedback: tuple[bool, float]) -> bool:
+    """Whether the ripple of the pressure has fallen to a tenth over 200 ms, or 40 steps."""
+    end = max(0.2, 40.0 * step)
+    pressures, *_ = coupled(step, compliance, feedback, end=end)
+    ripple = np.abs(np.diff(pressures, 2))
+    part = len(ripple) // 3
+    return len(pressures) > end / step and ripple[-part:].max() < 0.1 * ripple[:part].max()
+
+
+def limits() -> None:
+    """Prints from which compliance on the circuit is stable, to a tenth, and what oil is lost in steps of 5 ms."""
+    for name, feedback in FEEDBACK.items():
+        for step in (0.5e-3, 1e-3, 2e-3, 5e-3):
+            low, high = 5e-14, 2e-11
+            while high > 1.1 * low:
+                middle = np.sqrt(low * high)
+                low, high = (low, middle) if is_stable(step, middle, feedback) else (middle, high)
+            print(f"{name}: steps of {1e3 * step} ms are stable from {high:.1e} m³/Pa on")
+        _, supplied, taken = coupled(5e-3, 3e-12, feedback, 3e-4, 0.4)
+        print(f"{name}: at 3e-12 m³/Pa {1e6 * supplied:.1f} cm³ are supplied, {1e6 * taken:.1f} taken")
+
+
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    if sys.argv[1:] == ["--limits"]:
+        limits()
+    else:
+        main(*sys.argv[1:])

@@ -1,14 +1,18 @@
 """Takes the docs' pictures of reports: `cargo fmu demo`, then `target/venv/bin/python fmu-build/python/pictures.py demo`; the same for paper,
 validate and drive.
 
-It needs the distribution's Chromium. Options: the report, and the file to write, or the folder for the figures.
+A picture carries a hash of the stored results that belong to what it shows, and a test compares it with those of today. It needs the distribution's Chromium. Options: the report, and the file to write, or the folder for the figures.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
+import struct
 import sys
-from collections.abc import Mapping
+import zlib
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from playwright.sync_api import Browser
@@ -25,8 +29,46 @@ FIGURES = {
     "drive": {"#drive + figure": "drive.png"},
 }
 """Figures of each report that the docs show, by selector, and their files."""
+MODEL = "resources/reference/smoke-test-ref.csv"
+"""Outputs of the model, renewed when its physics change."""
+STORED = {
+    "report.png": ("demo", MODEL), "drive.png": ("drive", MODEL), "validation-steps.png": ("validate", "validation/results.json"),
+    **dict.fromkeys(FIGURES["paper"].values(), ("paper", "paper/statements.csv")), "paper-figure-9.png": ("paper", "paper/figure-9.csv"),
+}  # fmt: skip
+"""Pictures, their report, and the stored results of its run; of the validation only the steps, which its picture shows."""
+SIGNATURE, HEAD, KEY = b"\x89PNG\r\n\x1a\n", 33, b"Shows\0"  # Of a PNG; length of signature and first chunk; key of the hash
 TITLE = 14  # Height by which the title of a first panel stands out of its figure, px
 SHOWN = 4.0  # Time of the manoeuvre in the picture, s
+
+
+def shown(name: str) -> str:
+    """The hash of the stored results that a picture shows, as they are today."""
+    content = (ROOT / STORED[name][1]).read_bytes()
+    if name == "validation-steps.png":
+        content = json.dumps(json.loads(content)["steps"], sort_keys=True).encode()
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def chunks(picture: bytes) -> Iterator[tuple[bytes, bytes]]:
+    """Types and contents of the chunks of a PNG."""
+    at = len(SIGNATURE)
+    while at < len(picture):
+        size, kind = struct.unpack_from(">I4s", picture, at)
+        yield kind, picture[at + 8 : at + 8 + size]
+        at += 12 + size
+
+
+def stamp(picture: Path) -> None:
+    """Writes the hash of what a picture shows into it, as text."""
+    data, text = picture.read_bytes(), KEY + shown(picture.name).encode()
+    check = zlib.crc32(b"tEXt" + text)
+    picture.write_bytes(data[:HEAD] + struct.pack(">I", len(text)) + b"tEXt" + text + struct.pack(">I", check) + data[HEAD:])
+
+
+def stamped(picture: Path) -> str | None:
+    """The hash in a picture; None if it has none."""
+    found = (text for kind, text in chunks(picture.read_bytes()) if kind == b"tEXt" and text.startswith(KEY))
+    return next((text.removeprefix(KEY).decode() for text in found), None)
 
 
 def take(report: Path, picture: Path, figures: Mapping[str, str] | None, browser: Browser | None = None) -> None:
@@ -37,11 +79,13 @@ def take(report: Path, picture: Path, figures: Mapping[str, str] | None, browser
             page.evaluate(f"pushbelt.belts[0].show({SHOWN}, true)")
             top = page.evaluate("document.querySelector('.belt').getBoundingClientRect().top + scrollY") + MARGIN
             page.screenshot(path=picture, full_page=True, clip={"x": 18, "y": top, "width": WIDTH - 36, "height": HEIGHT})
+            stamp(picture)
             return
         page.add_style_tag(content="figcaption, .tools > button, .tools > output { display: none !important; }")
         for name, file in figures.items():
             box = page.locator(name).bounding_box()
             page.screenshot(path=picture / file, full_page=True, clip={**box, "y": box["y"] - TITLE})
+            stamp(picture / file)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -14,8 +14,9 @@ pub fn definition() -> String {
     names.sort_unstable();
     let names: String = names.iter().map(|name| format!("    {name}\n")).collect();
     format!(
-        "; The names that a shared library of the FMU exports, as a Windows module definition. Written by `cargo fmu describe`. \
-         `cargo fmu\n; build` gives it to the linker where that needs it, and refuses a library that exports more or less.\n\
+        "; The names that a shared library of the FMU exports, as a Windows module definition. Written by \
+         `cargo fmu describe`. `cargo fmu\n; build` gives it to the linker where that needs it, and refuses a \
+         library that exports more or less.\n\
          EXPORTS\n{names}"
     )
 }

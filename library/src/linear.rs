@@ -1,4 +1,5 @@
-//! The C functions beyond the standard: the linear model of an instance. `resources/pushbelt.h` declares them for C.
+//! The C functions beyond the standard: the linear model of an instance. `resources/pushbelt.h`
+//! declares them for C.
 
 use libc::c_char;
 
@@ -7,18 +8,21 @@ use pushbelt::fmi::log::Status;
 use pushbelt::unit::{VariatorUnit, linear_model};
 
 pushbelt::fmi::export_functions! {
-    /// The linear model about the state in which an instance is, as JSON; `docs/linear.md` describes it.
+    /// The linear model about the state in which an instance is, as JSON; `docs/linear.md`
+    /// describes it.
     ///
-    /// Allowed in initialisation mode and from then on; the instance does not change. Modes below `frequency`, Hz, become states.
-    /// `*json` is set to a string that ends with a zero. Free it by [`pushbeltFreeText`].
+    /// Allowed in initialisation mode and from then on; the instance does not change. Modes below
+    /// `frequency`, Hz, become states. `*json` is set to a string that ends with a zero. Free it by
+    /// [`pushbeltFreeText`].
     ///
-    /// `fmi2OK`: the point is that of parameters and inputs. `fmi2Warning`: there is a model, but the belt slips through, or
-    /// other loads than the specified ones hold the point. `fmi2Error`: there is no model, and `*json` is null. The reason is
-    /// logged; the instance can continue in all three cases.
+    /// `fmi2OK`: the point is that of parameters and inputs. `fmi2Warning`: there is a model, but
+    /// the belt slips through, or other loads than the specified ones hold the point. `fmi2Error`:
+    /// there is no model, and `*json` is null. The reason is logged; the instance can continue in
+    /// all three cases.
     ///
     /// # Safety
-    /// `c` is null or an instance from `fmi2Instantiate` that has not been freed and that no other call is using. `json` is null or
-    /// points to a pointer that may be written.
+    /// `c` is null or an instance from `fmi2Instantiate` that has not been freed and that no other
+    /// call is using. `json` is null or points to a pointer that may be written.
     pushbeltLinearize(c: Component, frequency: f64, json: *mut *mut c_char) -> Status, on c =
         query::query::<VariatorUnit>(c, "pushbeltLinearize", json, |unit, settings, remarks| {
             linear_model(unit, settings, frequency, remarks)

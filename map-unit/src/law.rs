@@ -22,7 +22,7 @@ use pushbelt::contact::full_slip_torque;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::reference_curve::TwoPulley;
 use pushbelt::shaft::{Drag, SPEED_SMOOTHING};
-use pushbelt::variator::settings::{Axial, Friction, Inputs, Parameters, bisected};
+use pushbelt::variator::settings::{Axial, Friction, Inputs, Parameters, ParametersInForce, bisected};
 
 use crate::settings::Settings;
 use crate::tables::{Even, Place, Tables};
@@ -51,7 +51,8 @@ pub struct Point {
     pub radius: f64,
     /// Ratio.
     pub ratio: f64,
-    /// Ways of the sheaves per change of ln i, m.
+    /// Positions of the sheaves, m, and their ways per change of ln i, m.
+    pub positions: PerPulley<f64>,
     pub ways: PerPulley<f64>,
     /// Forces of clamps and cylinders that close the pulleys, without their seals, N.
     pub closing: PerPulley<f64>,
@@ -115,7 +116,7 @@ impl Point {
 #[derive(Clone, Debug)]
 pub struct Law {
     pub tables: Arc<Tables>,
-    pub parameters: Parameters,
+    pub parameters: ParametersInForce,
     /// Least and greatest ln i, at the end stops.
     pub stops: [f64; 2],
     /// Places over ln i, and the primary pitch radii there, m.
@@ -130,7 +131,7 @@ pub struct Law {
 impl Law {
     /// The laws of these settings, or why there are none.
     pub fn new(settings: &Settings) -> Result<Self, String> {
-        let parameters = settings.parameters.clone();
+        let parameters = settings.parameters.in_force();
         let (least, most) = parameters.ratio_range();
         // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
         // pulleys too.
@@ -171,7 +172,7 @@ impl Law {
 
     /// What acts in a state under these inputs, and what the tables give there.
     pub fn point(&self, state: &State, inputs: &Inputs) -> Point {
-        let Parameters { friction, geometry, .. } = &self.parameters;
+        let Parameters { friction, geometry, .. } = &*self.parameters;
         let radii = self.radii(state.log_ratio);
         let (radius, _) = radii.primary;
         let positions = radii.map(|(radius, _)| self.way * (radius - self.at_one));
@@ -192,6 +193,7 @@ impl Law {
             speeds: state.speeds,
             radius,
             ratio: state.log_ratio.exp(),
+            positions,
             ways: radii.map(|(_, slope)| self.way * slope),
             closing,
             force,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pushbelt::unit::shared_variables;
+use pushbelt::unit::{AT_REST, shared_variables};
 use pushbelt::variator::settings::{Axial, Drive, Outputs};
 use pushbelt_fmi::si;
 use pushbelt_fmi::table::{Access, Causality, Kind, Table, Variable};
@@ -30,7 +30,7 @@ impl AsRef<Outputs> for Readings {
 /// Variables of the whole variator.
 const WHOLE: &str = "thrustRatio belt.speed ratio.speed ratio.geometric slip efficiency efficiency.belt torqueUtilisation \
                      macroSlip loss.total loss.shafts loss.seals stored.energy initial.ratio initial.primarySpeed \
-                     initial.steady initial.equilibrium friction.pulley inputs.ramp";
+                     initial.steady initial.equilibrium initial.strict friction.pulley inputs.ramp";
 
 /// Variables that a pulley of the detailed unit has and one of maps has not.
 const NOT_OF_PULLEY: &str = "position tilt idleArc sheaveMass sheaveDamping tiltStiffness tiltClearance tiltTime";
@@ -40,6 +40,7 @@ const NOT_OF_PULLEY: &str = "position tilt idleArc sheaveMass sheaveDamping tilt
 fn text(name: &str) -> Option<&'static str> {
     Some(match name {
         "radius" => "Running radius on the {} pulley: pitch radius of the arc",
+        "cylinder.volume" => "Oil in the cylinder of the {} pulley beyond that at ratio 1. Its change over a step, divided by the step, is the mean flow",
         "cylinder.springStiffness" => "Stiffness of the spring of the {} sheaves: its force falls with the position",
         "cylinder.seal" => "Friction of the seals of the {} cylinder, against {}.sheaveVelocity",
         "efficiency" => "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow",
@@ -49,6 +50,7 @@ fn text(name: &str) -> Option<&'static str> {
         "initial.ratio" => "Geometric ratio secondary radius / primary radius at the start; beyond an end stop the run starts at the stop",
         "initial.primarySpeed" => "Speed of the primary pulley at the start. A shaft with drive = Speed starts at its set point instead",
         "initial.steady" => "True: start with the slip of the steady state, unbalanced torque accelerating the inertias. False: start without slip",
+        "initial.strict" => "True: the initialisation fails where the belt does not carry the torques. False: the run starts without slip, with a warning",
         "friction.pulley" => "Friction coefficient between element and sheave, which scales the torque at a slip; must be below tan(geometry.wedgeAngle)",
         _ => return None,
     })
@@ -78,5 +80,7 @@ pub fn table() -> Table<Settings, Readings> {
             access: Access::Reading(|readings: &Readings| readings.outside),
         },
     });
-    Table::new(si::UNITS, &[Drive::TYPE, Axial::TYPE], variables)
+    let mut table = Table::new(si::UNITS, &[Drive::TYPE, Axial::TYPE], variables);
+    table.initial = &AT_REST;
+    table
 }

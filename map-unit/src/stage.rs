@@ -32,6 +32,7 @@ impl Law {
         None
     }
 
+    /// The next iterate; none if it is not finite, which the largest change would leave out.
     fn iterate(&self, inputs: &Inputs, base: &State, k: f64, state: &State) -> Option<State> {
         let point = self.point(state, inputs);
         let [utilisation, _] = point.traction;
@@ -65,11 +66,13 @@ impl Law {
         let free = free - around * behind + coupled * utilisation;
         let found = self.utilisation(&point, free, per_utilisation + coupled)?;
         let torque = point.full_slip * found;
-        Some(State {
+        let next = State {
             speeds: lines.map(|[constant, slope]| constant + slope * torque),
             log_ratio: (base.log_ratio + k * (rate + slope * (found - utilisation))).clamp(least, most),
             ..*state
-        })
+        };
+        let PerPulley { primary, secondary } = next.speeds;
+        (primary + secondary + next.log_ratio).is_finite().then_some(next)
     }
 
     /// The utilisation at the root of v − `free` + `per_utilisation` u(v), sought from a point.

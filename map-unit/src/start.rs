@@ -2,20 +2,20 @@
 
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::settings::{Axial, BEYOND_STOP, Drive, bisected};
-use pushbelt_fmi::unit::Remark;
+use pushbelt_fmi::unit::Message;
 
 use crate::tuning::{ITERATIONS, TOLERANCE};
 use crate::unit::MapUnit;
 
 impl MapUnit {
-    /// Sets the state at the start.
-    pub(crate) fn initialise(&mut self, remarks: &mut Vec<Remark>) {
+    /// Sets the state at the start, or returns why there is none.
+    pub(crate) fn initialise(&mut self, remarks: &mut Vec<Message>) -> Result<(), String> {
         let initial = self.law.parameters.initial.clone();
         let (ratio, [least, most]) = (initial.ratio, self.law.stops);
         self.state.log_ratio = ratio.ln().clamp(least, most);
         if (self.state.log_ratio - ratio.ln()).abs() > BEYOND_STOP.ln() {
             let [least, most] = self.law.stops.map(f64::exp);
-            remarks.push(Remark::warning(format!(
+            remarks.push(Message::warning(format!(
                 "initial.ratio = {ratio} is beyond the end stops: {least:.4} to {most:.4}; the run starts at the stop"
             )));
         }
@@ -40,8 +40,14 @@ impl MapUnit {
         if initial.steady && initial.equilibrium && !self.law.parameters.holds_a_sheave() {
             settled = self.balance();
         }
-        remarks.extend(settled.err().map(Remark::warning));
+        match settled {
+            Err(why) if initial.strict => {
+                return Err(format!("{why}; with initial.strict = true this start is an error"));
+            }
+            other => remarks.extend(other.err().map(Message::warning)),
+        }
         self.state.thrust_ratio = self.present().thrust_ratio;
+        Ok(())
     }
 
     /// Moves the ratio to the equilibrium of the clamping forces, or to an end stop.

@@ -12,7 +12,7 @@ use pushbelt::variator::run::InputProfile;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Losses, Outputs, PulleyOutputs, SPEED_LAG};
 use pushbelt_fmi::Archive;
 use pushbelt_fmi::table::Table;
-use pushbelt_fmi::unit::{Experiment, Identity, Remark, Unit};
+use pushbelt_fmi::unit::{Experiment, Identity, Message, Unit};
 
 use crate::file::THRUST_RATIO;
 use crate::law::{Law, Point, State};
@@ -28,9 +28,10 @@ pub struct MapUnit {
     time: f64,
     /// Inputs at the present time.
     pub(crate) inputs: Inputs,
-    /// Whether it has been logged that the state is beyond the tables, and that a pressure opens a pulley.
+    /// Whether it has been logged that the state is beyond the tables, that a pressure opens a pulley, and that one acts on no area.
     outside: bool,
     opened: bool,
+    idle: PerPulley<bool>,
     readings: Readings,
 }
 
@@ -88,8 +89,9 @@ impl MapUnit {
         Ok(())
     }
 
-    /// Sets the readings, and logs once each that a cylinder opens its pulley and that the state is beyond the tables.
-    fn observe(&mut self, remarks: &mut Vec<Remark>) {
+    /// Sets the readings, and logs once each that a pressure acts on no area, that one opens its pulley and that the state is beyond the
+    /// tables.
+    fn observe(&mut self, remarks: &mut Vec<Message>) {
         let (point, of) = (self.present(), &self.law.parameters);
         let opens = of.opening(&self.inputs, point.closing, self.time);
         let opens = opens.filter(|_| !self.opened);
@@ -101,7 +103,8 @@ impl MapUnit {
             )
         });
         (self.opened, self.outside) = (self.opened | opens.is_some(), self.outside | outside.is_some());
-        remarks.extend([opens, outside].into_iter().flatten().map(Remark::warning));
+        let idle = of.idle_pressures(&self.inputs, &mut self.idle, self.time);
+        remarks.extend([idle, opens, outside].into_iter().flatten().map(Message::warning));
         self.readings = self.read(&point);
     }
 
@@ -116,7 +119,9 @@ impl MapUnit {
         let (rate, _) = self.law.shift(point);
         let ([least, most], log_ratio) = (self.law.stops, self.state.log_ratio);
         let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
-        let velocities = point.ways.map(|way| if at_stop { 0.0 } else { way * rate });
+        // As in the detailed unit the sheaves start at rest.
+        let rests = at_stop || self.time == 0.0;
+        let velocities = point.ways.map(|way| if rests { 0.0 } else { way * rate });
         let rubbing = PerPulley::from_fn(|j| of.rubbing(j, velocities[j]));
         let axial = PerPulley {
             primary: match of.primary.axial {
@@ -135,6 +140,7 @@ impl MapUnit {
                 clamping_force_total: axial[j],
                 sheave_velocity: velocities[j],
                 flow: of.cylinder.area * velocities[j],
+                volume: of.cylinder.area * point.positions[j],
                 shaft_torque: -into[j],
                 external_torque: match of.drive {
                     Drive::Torque => given.torque,
@@ -209,9 +215,9 @@ impl Unit for MapUnit {
         checked.map_err(|error| error.to_string())
     }
 
-    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String> {
         let mut unit = Self::blank(settings, experiment)?;
-        unit.initialise(remarks);
+        unit.initialise(remarks)?;
         unit.observe(remarks);
         Ok(unit)
     }
@@ -235,13 +241,17 @@ impl Unit for MapUnit {
         to: f64,
         inputs: &mut InputProfile,
         settings: &Settings,
-        remarks: &mut Vec<Remark>,
+        remarks: &mut Vec<Message>,
     ) -> Result<(), String> {
-        let before = (self.state, self.time, self.inputs);
-        self.law.parameters.friction.pulley = settings.parameters.friction.pulley;
-        if let Err(why) = self.advance_to(to, inputs) {
-            (self.state, self.time, self.inputs) = before;
-            return Err(why);
+        let before = self.clone();
+        let wanted = &settings.parameters.friction;
+        let tuned = self.law.parameters.set_friction(wanted.pulley, wanted.ring);
+        let advanced = tuned
+            .map_err(|error| error.to_string())
+            .and_then(|_| self.advance_to(to, inputs));
+        if advanced.is_err() {
+            *self = before;
+            return advanced;
         }
         self.observe(remarks);
         Ok(())
@@ -259,24 +269,27 @@ impl Unit for MapUnit {
             inputs: settings.inputs,
             outside: false,
             opened: false,
+            idle: PerPulley::default(),
             readings: Readings::default(),
         })
     }
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {
         let PerPulley { primary, secondary } = &mut self.state.speeds;
-        archive.within(primary, -LARGEST, LARGEST);
-        archive.within(secondary, -LARGEST, LARGEST);
+        archive.bounded_real(primary, -LARGEST, LARGEST);
+        archive.bounded_real(secondary, -LARGEST, LARGEST);
         let [least, most] = self.law.stops;
-        archive.within(&mut self.state.log_ratio, least, most);
+        archive.bounded_real(&mut self.state.log_ratio, least, most);
         archive.real(&mut self.time);
         let [least, most] = THRUST_RATIO;
-        archive.within(&mut self.state.thrust_ratio, least, most);
+        archive.bounded_real(&mut self.state.thrust_ratio, least, most);
         for value in self.inputs.each_mut() {
-            archive.within(value, -LARGEST, LARGEST);
+            archive.bounded_real(value, -LARGEST, LARGEST);
         }
         archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);
+        self.law.parameters.serialize(archive);
+        self.idle.each_mut().into_iter().for_each(|said| archive.flag(said));
         if archive.is_reading() {
             self.readings = self.read(&self.present());
         }

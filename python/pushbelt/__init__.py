@@ -1,10 +1,11 @@
 """Python around the pushbelt FMU.
 
 - `variator`: a variator over time (`recording`) and its steady states (`points`); `linear`: linear models;
-  `maps`: maps and variators from them; `study`: many tasks on this machine or a cluster; `errors`: the base class of all errors.
+  `maps`: maps and variators from them; `study`: many tasks on this machine or a cluster; `errors`: the base class of all errors;
+  `arguments`: checks of the arguments of public functions.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results. `tables`: tables of rigs and of programs.
 - `report`: common parts of the reports.
-- `cli`: the command `pushbelt` and the options of the programs. Each program is a package, run by `python -m pushbelt.…`.
+- `cli`: the command `pushbelt`, also `python -m pushbelt`, and the options of the programs. Each program is a package, run by `python -m pushbelt.…`.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 from ._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from .errors import ArgumentError as ArgumentError, MissingFileError as MissingFileError, MissingPackageError as MissingPackageError
-    from .errors import PushbeltError as PushbeltError, UnknownNameError as UnknownNameError, VariatorWarning as VariatorWarning
+    from .errors import ArgumentError as ArgumentError, FileError as FileError, MissingFileError as MissingFileError
+    from .errors import MissingPackageError as MissingPackageError, PushbeltError as PushbeltError
+    from .errors import UnknownNameError as UnknownNameError, VariatorWarning as VariatorWarning
     from .fmu.data import parameter_set as parameter_set
     from .fmu.files import default_fmu as default_fmu
     from .fmu.start_values import StartValueError as StartValueError
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
     from .variator import Snapshot as Snapshot, Variator as Variator
 
 _NAMES = {
-    "errors": "ArgumentError MissingFileError MissingPackageError PushbeltError UnknownNameError VariatorWarning",
+    "errors": "ArgumentError FileError MissingFileError MissingPackageError PushbeltError UnknownNameError VariatorWarning",
     "fmu.data": "parameter_set", "fmu.files": "default_fmu", "fmu.start_values": "StartValueError", "fmu.unit": "UnitError",
     "fmu.untrusted": "InputFileError", "linear.grid": "LinearGrid load_linear", "linear.model": "LinearModel LinearPointError",
     "linear.physical": "NotPhysicalError", "maps.data": "MapError Maps", "maps.variator": "MapVariator", "points": "SteadyStateError",

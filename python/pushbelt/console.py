@@ -1,4 +1,4 @@
-"""A program as a process: its errors, characters that its output can't encode, and Ctrl-C."""
+"""A program as a process: its errors, characters that its output can't encode, Ctrl-C and SIGTERM."""
 
 from __future__ import annotations
 
@@ -8,12 +8,17 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any
 
 from . import provenance
 from .errors import PushbeltError
 
-INTERRUPTED = 130  # Exit code after Ctrl-C
+INTERRUPTED, TERMINATED = 130, 143  # Exit codes after Ctrl-C and SIGTERM
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, as `kill` and batch systems send it. Like Ctrl-C, it ends the workers of a program."""
 
 
 def run(main: Callable[[], int | None]) -> int:
@@ -21,10 +26,18 @@ def run(main: Callable[[], int | None]) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")
     try:
-        return main() or 0
+        with _handled(signal.SIGTERM, _terminate):
+            return main() or 0
+    except Terminated:
+        print("terminated", file=sys.stderr)
+        return TERMINATED
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
+
+
+def _terminate(*_: object) -> None:
+    raise Terminated("ended by the signal SIGTERM")
 
 
 def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
@@ -37,12 +50,12 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
             try:
                 provenance.begin(name, arguments)
                 return run(lambda: main(arguments))
+            except (OSError, PushbeltError) as error:
+                said = f"{name}: {error}"
             except ModuleNotFoundError as error:
                 if not error.name or error.name.startswith("pushbelt"):
                     raise
                 said = f"{name} needs the package {error.name}: pip install 'pushbelt[{extra}]'"
-            except (OSError, PushbeltError) as error:
-                said = f"{name}: {error}"
             print(f"pushbelt {said}", file=sys.stderr)
             return 1
 
@@ -51,14 +64,19 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
     return made
 
 
-@contextmanager
-def interrupts_ignored() -> Iterator[None]:
+def interrupts_ignored() -> AbstractContextManager[None]:
     """Processes that are started in this context ignore Ctrl-C; so does this one, until they are. Without effect on Windows."""
+    return _handled(signal.SIGINT, signal.SIG_IGN)
+
+
+@contextmanager
+def _handled(number: int, handler: Any) -> Iterator[None]:
+    """A handler of a signal, which only the main thread can set."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.signal(number, handler)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, handler)
+        signal.signal(number, before)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import importlib.metadata
+import re
 import sys
 import warnings
 from collections.abc import Iterable
@@ -29,13 +31,17 @@ class MissingFileError(PushbeltError, FileNotFoundError):
     """A file is missing. The message names what would provide it."""
 
 
+class FileError(PushbeltError, OSError):
+    """A file cannot be read or written."""
+
+
 class MissingPackageError(PushbeltError, ModuleNotFoundError):
     """A package is not installed. The message names the extra that installs it."""
 
 
 def similar(name: str, names: Iterable[str]) -> str:
     """Similar names, as the end of a message; empty if there is none."""
-    near = difflib.get_close_matches(name, list(names), n=3)
+    near = difflib.get_close_matches(str(name), list(names), n=3)
     return f"; similar names: {', '.join(near)}" if near else ""
 
 
@@ -49,6 +55,28 @@ def package(name: str, what: str, extra: str) -> Any:
         return importlib.import_module(name)
     except ModuleNotFoundError as error:
         raise MissingPackageError(f"{what}: pip install 'pushbelt[{extra}]'", name=error.name) from error
+
+
+def require(extra: str) -> None:
+    """Raises MissingPackageError if a package of an extra is missing, or older than pushbelt declares. A source tree declares none."""
+    try:
+        declared = importlib.metadata.requires("pushbelt") or []
+    except importlib.metadata.PackageNotFoundError:
+        return
+    extras = [extra]
+    for one in extras:
+        for text in (line for line in declared if re.search(f"extra == .{one}\\W*$", line)):
+            name, inner, least = re.match(r"([\w.-]+)(?:\[(.*?)\])? *(?:>= *([\d.]+))?", text).groups()  # type: ignore[union-attr]
+            if name == "pushbelt":
+                extras += inner.split(",")
+                continue
+            install = f"pip install 'pushbelt[{extra}]'"
+            try:
+                there = importlib.metadata.version(name)
+            except importlib.metadata.PackageNotFoundError as error:
+                raise MissingPackageError(f"the package {name} is missing: {install}", name=name) from error
+            if least and [*map(int, re.findall(r"\d+", there))] < [*map(int, least.split("."))]:
+                raise MissingPackageError(f"{name} {there} is older than {least}: {install}", name=name)
 
 
 def warn(text: str) -> None:

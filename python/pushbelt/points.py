@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import checks, kind, lists, number, optional, refused
 from .errors import ArgumentError, PushbeltError, package, warn
 from .fmu import capacity
 from .fmu import unit as calls
+from .fmu.closing import closed_by, closing_at
 from .fmu.data import clamping_force, pitch_radius, torque_capacity
 from .fmu.results import SteadyState
 from .fmu.start_values import StartValueError, Variables, checked
@@ -31,6 +32,24 @@ SAME_FORCE = 0.01  # Relative change below which a clamping force with `SAFETY` 
 OVERRUN = 0.5  # Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger
 FREQUENCY = 50.0  # Default frequency, Hz, below which modes are states of a linear model
 STATES = ("modal", "physical")  # Kinds of states of a linear model
+
+
+def _states(name: str, value: Any) -> str:
+    if not isinstance(value, str) or value not in STATES:
+        raise ArgumentError(refused(name, value, f"one of {', '.join(STATES)}"))
+    return value
+
+
+# Rules of arguments
+POINT = {
+    "ratio": number(above=0.0), "torque": number("N·m"), "speed": number("rad/s"), "force": optional(number("N", least=0.0)),
+    "safety": optional(number(above=0.0)), "thrust_ratio": optional(number(above=0.0)),
+}  # fmt: skip
+GRID = {
+    "ratios": lambda _, values: number(above=0.0, several=True)("ratio", values),
+    "torques": lambda _, values: number("N·m", several=True)("torque", values),
+}  # fmt: skip
+LINEAR = {"frequency": number("Hz", above=0.0), "states": _states, "sample_time": optional(number("s", above=0.0))}
 
 Objects = NDArray[np.object_]
 Values = Mapping[str, Any]  # Values by names of FMU variables, in SI units; enumerations by name or number
@@ -54,7 +73,7 @@ class SteadyStateError(PushbeltError, RuntimeError):
 
 
 class Point(NamedTuple):
-    """A working point: geometric ratio (1), primary torque (N·m), primary speed (rad/s), secondary clamping force (N)."""
+    """A working point: geometric ratio (1), primary torque (N·m), primary speed (rad/s), whole secondary clamping force (N)."""
 
     ratio: float
     torque: float
@@ -65,23 +84,10 @@ class Point(NamedTuple):
         return f"at ratio {self.ratio:g}, {self.torque:g} N·m, {self.speed:g} rad/s and {self.force:g} N"
 
 
-def _check(point: Point) -> None:
-    """Raises StartValueError if a number of a point is not usable."""
-    for name, value in point._asdict().items():
-        if not math.isfinite(value):
-            raise StartValueError(f"{name} = {value!r} is not finite")
-    if point.ratio <= 0.0:
-        raise StartValueError(f"ratio = {point.ratio:g} is out of range: r_S/r_P is above 0")
-    if point.force < 0.0:
-        raise StartValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
-
-
 def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
     def modal(below: float) -> LinearModel:
         return LinearModel.of(solver.linearise(below))
 
-    if states not in STATES:
-        raise ArgumentError(f"states = {states!r} is not one of {', '.join(STATES)}")
     model = with_enough_modes(modal, frequency) if states == "physical" else modal(frequency)
     return model if sample_time is None else model.sampled(sample_time)
 
@@ -98,16 +104,17 @@ class WorkingPoints:
         self.variables = Variables(self._declared.values())
         """The FMU's variables by name: each has `unit`, `description`, `start`, `min`, `max`, `causality` and more."""
 
+    @checks(**POINT, **LINEAR)
     def linearize(
-        self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY,
+        self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float | None = SAFETY,
         frequency: float = FREQUENCY, states: str = "modal", sample_time: float | None = None,
     ) -> LinearModel:  # fmt: skip
         """The linear model about the steady state at a ratio r_S/r_P (1) and a primary torque (N·m), in 0.5 s with `ALE`.
 
-        The primary pulley turns at `speed`, rad/s. `force` is the secondary clamping force, N, with `safety` as in `steady`.
-        The primary clamping force and the secondary torque are those that hold the point. Modes below `frequency`, Hz, become
-        states. Inputs are the loads that act with this variator's `drive` and `axial`: by default both torques (N·m) and both
-        clamping forces (N). The run over time is not affected.
+        The primary pulley turns at `speed`, rad/s, with `force` and `safety` as in `steady`. The primary force and the secondary
+        torque are those that hold the point. Modes below `frequency`, Hz, become states. Inputs are the loads that act with this
+        variator's `drive` and `axial`: by default both torques (N·m) and both clamping forces (N), and the pressures (Pa) of
+        cylinders with an area, which then hold the point. The run over time is not affected.
 
         With `states="physical"` the states are ω_P, ω_S (rad/s) and ln i, without those that are held, so that the matrices of
         several points can be interpolated. With `sample_time`, s, the model also has the discrete-time matrices `ad`, `bd`, `cd`, `dd`.
@@ -117,9 +124,13 @@ class WorkingPoints:
         """
         return self._linearize(self._values, ratio, torque, speed, force, safety, (frequency, states, sample_time))
 
+    @checks(
+        **POINT | {"speed": number("rad/s", several=True), "force": optional(number("N", least=0.0, several=True))},
+        **LINEAR, **GRID, changes=optional(lists), after_each=kind("a function", Callable),
+    )  # fmt: skip
     def linear_grid(
         self, ratios: Iterable[float], torques: Iterable[float], *, speed: float | Iterable[float] = SPEED,
-        force: float | Iterable[float] | None = None, safety: float = SAFETY,
+        force: float | Iterable[float] | None = None, safety: float | None = SAFETY,
         frequency: float = FREQUENCY, states: str = "modal", sample_time: float | None = None,
         changes: Mapping[str, Iterable[Any]] | None = None, after_each: Callable[[], object] = lambda: None,
     ) -> LinearGrid:  # fmt: skip
@@ -146,17 +157,17 @@ class WorkingPoints:
         return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
 
     def _linearize(
-        self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float, how: tuple[Any, ...]
+        self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float | None, how: tuple[Any, ...]
     ) -> LinearModel:
         """The linear model at a point with these start values: about the steady state under the loads that hold it. `how` are
         the arguments of `model_of`."""
-        force = self._least_force(values, ratio, torque, speed, safety) if force is None else force
-        point = Point(ratio, torque, speed, force)
+        point = self._point(values, ratio, torque, speed, force, safety)
         state = self._steady(values, point)
+        held = {"primary": state["primary.axialForce"], "secondary": point.force}
         start = {
             "initial.steady": True, "initial.ratio": ratio, "initial.primarySpeed": speed,
             "primary.torque": torque, "secondary.torque": state.load_torque,
-            "primary.clampingForce": state["primary.axialForce"], "secondary.clampingForce": force,
+            **{name: one for pulley, whole in held.items() for name, one in closed_by(values, pulley, whole, ratio, speed).items()},
             "primary.speedSetpoint": speed, "secondary.speedSetpoint": speed / state["primary.speed"] * state["secondary.speed"],
         }  # fmt: skip
         unit = self._solved({**values, **start}, point)
@@ -172,24 +183,33 @@ class WorkingPoints:
         """Frees the instance."""
         self._states.close()
 
-    def steady(self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY) -> SteadyState:
+    @checks(**POINT)
+    def steady(
+        self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float | None = SAFETY
+    ) -> SteadyState:
         """The steady state at a geometric ratio r_S/r_P (1) and a primary torque (N·m). The run over time is not affected.
 
-        The primary pulley turns at `speed`, rad/s, less the slip; its sheave is held at the ratio. `force` is the
-        secondary clamping force, N. By default it carries the torque with a factor of `safety` and is at least 4 kN.
+        The primary pulley turns at `speed`, rad/s, less the slip; its sheave is held at the ratio. `force` is the whole secondary
+        clamping force, N, with spring and rotating oil; a cylinder with an area has the pressure for it. By default it carries the
+        torque with a factor of `safety` and is at least 4 kN. With `safety=None` it is that of this variator's inputs.
         The state has outputs by name, `profile`, and `load_torque`, the secondary torque in the steady state.
 
         Raises SteadyStateError if there is no steady state, or if the belt slips through.
         """
-        force = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
-        return self._steady(self._values, Point(ratio, torque, speed, force))
+        return self._steady(self._values, self._point(self._values, ratio, torque, speed, force, safety))
+
+    def _point(self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float | None) -> Point:
+        """A point with the given force, that of a safety factor, or that of the inputs among the values."""
+        if force is None:
+            own = safety is None
+            force = closing_at(values, "secondary", ratio, speed) if own else self._least_force(values, ratio, torque, speed, safety)
+        return Point(ratio, torque, speed, force)
 
     def _steady(self, values: Values, point: Point) -> SteadyState:
         """The steady state at a point with these start values. The last one is kept."""
         held = driven_by_torque(values, point.ratio, point.speed, point.torque, point.force)
         if self._last_steady is not None and self._last_steady[0] == held:
             return self._last_steady[1]
-        _check(point)
         if why := capacity.shortfall(values, point.ratio, point.torque, point.force):
             raise SteadyStateError(f"no steady state {point}: {why}")
         if why := capacity.excessive_speed(values, point.ratio, point.speed):
@@ -203,16 +223,16 @@ class WorkingPoints:
 
     def _solved(self, values: Values, point: Point) -> calls.Instance:
         """The instance in the steady state of these start values."""
-        values = checked(self._declared, {**values, "initial.equilibrium": False})
         try:
-            return self._states.at(values)
-        except UnitError as error:
+            return self._states.at(checked(self._declared, {**values, "initial.equilibrium": False}))
+        except (StartValueError, UnitError) as error:
             raise SteadyStateError(f"no steady state {point}: {error}") from error
 
+    @checks(**POINT | {"safety": number(above=0.0)})
     def least_force(
         self, ratio: float, torque: float, safety: float = SAFETY, *, speed: float = SPEED, thrust_ratio: float | None = None
     ) -> float:
-        """Secondary clamping force with which both pulleys carry a primary torque (N·m) with a safety factor, at least 4 kN; N.
+        """Whole secondary clamping force with which both pulleys carry a primary torque (N·m) with a safety factor, at least 4 kN; N.
 
         The primary pulley is clamped by the thrust ratio κ times this force. κ is that of at most three steady states at
         `speed` (rad/s), about 0.05 s each, or `thrust_ratio`, with which nothing is solved.
@@ -223,9 +243,6 @@ class WorkingPoints:
         self, values: Values, ratio: float, torque: float, speed: float, safety: float, thrust_ratio: float | None = None
     ) -> float:
         """F min(1, κ(F)) carries the torque with the safety factor: fixed-point iteration, as κ varies little with F."""
-        _check(Point(ratio, torque, speed, 0.0))
-        if not (math.isfinite(safety) and safety > 0.0):
-            raise ArgumentError(f"safety = {safety!r} is not a number above 0")
         needed = clamping_force(torque, pitch_radius(values, ratio), values["friction.pulley"], values["geometry.wedgeAngle"], safety)
         if why := capacity.excessive_force(torque, needed):
             raise SteadyStateError(f"no clamping force at ratio {ratio:g}: {why}")
@@ -249,15 +266,18 @@ class WorkingPoints:
             force = better
         return force
 
+    @checks(**POINT | {"force": number("N", least=0.0), "thrust_ratio": number(above=0.0)})
     def torque_capacity(self, ratio: float, force: float, thrust_ratio: float = 1.0) -> float:
-        """Primary torque at which the belt slips through at a ratio, under a secondary clamping force (N); N·m.
+        """Primary torque at which the belt slips through at a ratio, under a whole secondary clamping force (N); N·m.
 
         It is that of the secondary pulley, at which the torque utilisation is 1. With a thrust ratio below 1 it is that of the primary.
         """
         return torque_capacity(self._values, ratio, min(1.0, thrust_ratio) * force)
 
+    @checks(**POINT, **GRID)
     def thrust_map(
-        self, ratios: Iterable[float], torques: Iterable[float], *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY
+        self, ratios: Iterable[float], torques: Iterable[float], *, speed: float = SPEED, force: float | None = None,
+        safety: float | None = SAFETY,
     ) -> xarray.Dataset:
         """Steady states over geometric ratios (1) and primary torques (N·m), with speed and force as in `steady`.
 
@@ -266,20 +286,22 @@ class WorkingPoints:
         points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
         """
         dataset = package("xarray", "thrust_map needs xarray", "maps").Dataset
-        axes = {"ratio": np.array(list(ratios), dtype=float), "torque": np.array(list(torques), dtype=float)}
+        axes = {"ratio": np.atleast_1d(ratios), "torque": np.atleast_1d(torques)}
+        if empty := [name for name, values in axes.items() if not len(values)]:
+            raise ArgumentError(f"the map has no {empty[0]}")
         names = [*calls.output_names(self._declared.values()), "clampingForce"]
 
         def row(ratio: float, torque: float) -> list[float]:
-            used = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
-            state = self.steady(ratio, torque, speed=speed, force=used)
-            return [*(state[name] for name in names[:-1]), used]
+            point = self._point(self._values, ratio, torque, speed, force, safety)
+            state = self._steady(self._values, point)
+            return [*(state[name] for name in names[:-1]), point.force]
 
         found, reasons = over(axes, row, SteadyStateError)
         gap = [np.nan] * len(names)
         values = np.moveaxis(np.array([[gap if one is None else one for one in line] for line in found]), -1, 0)
         texts = {name: (one.unit, one.description) for name, one in self.variables.items()}
         texts |= {"ratio": ("1", "Geometric ratio r_S/r_P"), "torque": ("N.m", "Primary torque")}
-        texts["clampingForce"] = ("N", "Secondary clamping force")
+        texts["clampingForce"] = ("N", "Whole secondary clamping force")
         about = {name: {"units": unit, "long_name": text} for name, (unit, text) in texts.items()}
         return dataset(
             {name: (tuple(axes), one, about[name]) for name, one in zip(names, values, strict=True)} | {"reason": (tuple(axes), reasons)},

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import names, number, optional
 from .errors import ArgumentError
 from .fmu.geometry import Array
 from .fmu.results import item
@@ -48,16 +49,18 @@ class InputTable:
             raise ArgumentError(f"inputs are a pandas.DataFrame over time, not {type(inputs).__name__}")
         columns = {str(name): inputs[name].to_numpy() for name in inputs.columns}
         times = columns.pop("time", inputs.index.to_numpy())
+        if inputs.columns.has_duplicates:
+            raise ArgumentError("a column is twice among the inputs")
+        times = np.atleast_1d(number("s", several=True)("time", times))
         try:
-            times = np.asarray(times, dtype=float)
             columns = {name: np.asarray(values, dtype=float) for name, values in columns.items()}
         except (TypeError, ValueError) as error:
-            raise ArgumentError(f"time and inputs must be numbers: {error}") from error
+            raise ArgumentError(f"inputs must be numbers: {error}") from error
         if len(times) < 2:
             raise ArgumentError(f"the table of inputs has {len(times)} rows: at least 2 are needed, for the begin and the end of the run")
         steps = np.diff(times)
-        if not np.isfinite(times).all() or (steps < 0.0).any() or times[-1] == times[0]:
-            raise ArgumentError("the times of the inputs must be finite and must ascend")
+        if (steps < 0.0).any() or times[-1] == times[0]:
+            raise ArgumentError("the times of the inputs must ascend")
         if (thrice := np.flatnonzero((steps[1:] == 0.0) & (steps[:-1] == 0.0))).size:
             raise ArgumentError(f"more than two rows have the time {times[thrice[0]]:g} s: a jump has one before and one after it")
         return cls(times, columns)
@@ -86,10 +89,8 @@ class Record:
     the recording stays below `LARGEST`."""
 
     def __post_init__(self) -> None:
-        if self.columns is not None and (isinstance(self.columns, str) or not isinstance(self.columns, Iterable)):
-            raise ArgumentError(f"columns = {self.columns!r} is no list of names")
-        if self.interval is not None and not (math.isfinite(self.interval) and self.interval > 0.0):
-            raise ArgumentError(f"interval = {self.interval!r} s is not a number above 0")
+        for name, rule in (("columns", names), ("interval", number("s", above=0.0))):
+            object.__setattr__(self, name, optional(rule)(name, getattr(self, name)))
 
 
 class Recording:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import checks, kind, mapping, names, number, optional, path, text
 from .errors import ArgumentError, warn
 from .fmu import cache, capacity
 from .fmu import unit as calls
@@ -23,13 +22,13 @@ from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.unit import UnitError
 from .linear.model import LinearModel, LinearPointError
 from .linear.physical import NotPhysicalError
-from .points import FREQUENCY, Values, WorkingPoints, model_of
+from .points import FREQUENCY, LINEAR, Values, WorkingPoints, model_of
 from .recording import InputTable, Ramp, Record, Recording
 
 if TYPE_CHECKING:
     import pandas
 
-LOADS = frozenset({"primary.torque", "secondary.clampingForce"})
+LOADS = frozenset({"primary.torque", "secondary.clampingForce", "secondary.pressure"})
 """Inputs whose units are checked by the capacity of the belt."""
 
 Parameters = str | os.PathLike[str] | Values
@@ -49,7 +48,7 @@ class Snapshot:
 
 def start_values(parameters: Parameters) -> dict[str, Any]:
     """Parameters of a published variator by name, of a parameter file (`….json`), or of a mapping."""
-    return dict(parameters) if isinstance(parameters, Mapping) else parameter_set(os.fspath(parameters))
+    return dict(parameters) if isinstance(parameters, Mapping) else parameter_set(parameters)
 
 
 class Variator(WorkingPoints):
@@ -62,9 +61,10 @@ class Variator(WorkingPoints):
     external torques on the shafts, positive in the direction of positive speed: that of an engine is positive, that of a load negative.
     """
 
+    @checks(changes=optional(mapping), fmu=optional(path))
     def __init__(
         self, parameters: Parameters = "bench168", changes: Values | None = None, *,
-        fmu: Path | None = None, record: Record | Sequence[str] | None = None,
+        fmu: str | os.PathLike[str] | None = None, record: Record | Sequence[str] | None = None,
     ) -> None:  # fmt: skip
         """Creates a variator.
 
@@ -72,17 +72,18 @@ class Variator(WorkingPoints):
         values. `changes` override them. Start values of inputs hold until `step` sets others. The default of `fmu` is
         the FMU of the package. `record` has the columns of `outputs`, and as `Record` also the time between their rows.
 
-        Raises StartValueError for a name or a value that the FMU does not accept, InputFileError or OSError for files
-        that cannot be read.
+        Raises StartValueError for a name or a value that the FMU does not accept, InputFileError, MissingFileError or FileError for
+        files that cannot be used.
         """
         self._unit: calls.Instance | None = None
-        self._name = "own values" if isinstance(parameters, Mapping) else os.fspath(parameters)
-        archive = cache.unpacked(Path(fmu) if fmu is not None else default_fmu())
+        archive = cache.unpacked(fmu if fmu is not None else default_fmu())
         declared = archive.variables
         if "ring.model" not in declared:
             raise ArgumentError(f"{archive.description.modelName} has no ring.model: Variator runs the belt; MapVariator is a variator from maps")
+        given = start_values(parameters)
+        self._name = "own values" if isinstance(parameters, Mapping) else os.fspath(parameters)
         described = {v.name: v.start for v in declared.values() if v.causality in SETTABLE and v.start is not None}
-        self._start = checked(declared, {**described, **start_values(parameters), **(changes or {})})
+        self._start = checked(declared, {**described, **given, **(changes or {})})
         super().__init__(archive, self._start)
         inputs = [v.name for v in self._declared.values() if v.causality == "input"]
         names = [*inputs, *calls.output_names(self._declared.values())]
@@ -131,11 +132,13 @@ class Variator(WorkingPoints):
         return self._outputs()
 
     def _wrong_unit(self) -> str | None:
-        """Description of a wrong unit of the present secondary force or primary torque; None if they may be right."""
-        torque, force = (self._values[name] for name in ("primary.torque", "secondary.clampingForce"))
+        """Description of a wrong unit of the present secondary force, pressure or primary torque; None if they may be right."""
+        torque, force, pressure = (self._values[name] for name in ("primary.torque", "secondary.clampingForce", "secondary.pressure"))
+        oil = f", secondary.pressure = {pressure:g} Pa" if pressure else ""
         why = capacity.slip_of_units(self._values) if abs(torque) > capacity.DRAG else None
-        return f"primary.torque = {torque:g} N.m, secondary.clampingForce = {force:g} N: {why}" if why else None
+        return f"primary.torque = {torque:g} N.m, secondary.clampingForce = {force:g} N{oil}: {why}" if why else None
 
+    @checks(duration=number("s", above=0.0), inputs=optional(mapping))
     def step(self, duration: float, inputs: Values | None = None) -> dict[str, float]:
         """Advances by a duration, s, with the given inputs and the last values of the others; returns the outputs at its end.
 
@@ -144,8 +147,6 @@ class Variator(WorkingPoints):
 
         Raises StartValueError for a wrong name or value, and UnitError if the FMU cannot complete the step.
         """
-        if not (math.isfinite(duration) and duration > 0.0):
-            raise ArgumentError(f"the duration of a step must be above 0 s, not {duration!r} s")
         self.start()
         if inputs:
             self.set(inputs)
@@ -153,6 +154,7 @@ class Variator(WorkingPoints):
         self._read()
         return self._outputs()
 
+    @checks(values=mapping)
     def set(self, values: Values) -> None:
         """Sets inputs and tunable parameters, and before the start any parameter."""
         found = checked(self._declared, values)
@@ -164,6 +166,7 @@ class Variator(WorkingPoints):
         if self._now is not None and LOADS.intersection(found) and (hint := self._wrong_unit()):
             warn(hint)
 
+    @checks(name=text)
     def __getitem__(self, name: str) -> float:
         """Present value of a variable; `variables` has its unit. Before the start only parameters and inputs have one."""
         if name in self._values:
@@ -174,6 +177,7 @@ class Variator(WorkingPoints):
         """Present fields along the belt: position (m), push force and ring tension (N), normal force (N/m) and more."""
         return self._running("the profile").profile()
 
+    @checks(**LINEAR)
     def linearize_here(self, frequency: float = FREQUENCY, *, states: str = "modal", sample_time: float | None = None) -> LinearModel:
         """The linear model about the present state of the run, which must be steady; modes below `frequency`, Hz, become states.
 
@@ -190,6 +194,7 @@ class Variator(WorkingPoints):
 
     # Back to an earlier state
 
+    @checks(changes=optional(mapping))
     def reset(self, changes: Values | None = None) -> None:
         """Returns to the state before the start, with the start values of the beginning and these changes. Recorded outputs are removed."""
         self._start = checked(self._declared, {**self._start, **(changes or {})})
@@ -203,6 +208,7 @@ class Variator(WorkingPoints):
         unit = self._running("the state")
         return Snapshot(unit.time, dict(self._values), unit.state())
 
+    @checks(snapshot=kind("a Snapshot", Snapshot))
     def restore(self, snapshot: Snapshot) -> None:
         """Returns to a state. The run continues from it as it did before, to the last bit. Later recorded outputs are removed."""
         self._open.restore(snapshot.state, snapshot.time)
@@ -212,6 +218,7 @@ class Variator(WorkingPoints):
 
     # Over time
 
+    @checks(step=number("s", above=0.0), outputs=optional(names))
     def simulate(self, inputs: pandas.DataFrame, *, step: float = 1e-2, outputs: Iterable[str] | None = None) -> pandas.DataFrame:
         """Runs the variator with a table of inputs over time and returns a table of the outputs. Needs `pushbelt[maps]`.
 
@@ -226,8 +233,6 @@ class Variator(WorkingPoints):
         Raises ArgumentError for a table that is not usable, StartValueError for a wrong name or value.
         """
         table = InputTable.of(inputs)
-        if not (math.isfinite(step) and step > 0.0):
-            raise ArgumentError(f"step = {step!r} s is not a number above 0")
         begin = float(table.times[0])
         if self._now is not None and abs(begin - self.time) > 1e-9:
             raise ArgumentError(f"the first time of the inputs is {begin:g} s, but the run is at {self.time:g} s")

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::fmi::table::{Access, Kind, Variable};
-use crate::fmi::unit::Remark;
+use crate::fmi::unit::Message;
 use crate::unit::rings::{Rings, Settings};
 use crate::unit::table;
 use crate::unit::variator_unit::UnitWith;
@@ -25,7 +25,7 @@ pub fn linear_model<R: Rings>(
     unit: &mut UnitWith<R>,
     settings: &Settings<R>,
     frequency: f64,
-    remarks: &mut Vec<Remark>,
+    remarks: &mut Vec<Message>,
 ) -> Result<String, String> {
     let (least, most) = FREQUENCIES;
     if !(least..=most).contains(&frequency) {
@@ -40,7 +40,7 @@ pub fn linear_model<R: Rings>(
     let found = linearise_at(&mut unit.variator, &settings.inputs, frequency, &read);
     let found = found.map_err(|error| error.to_string())?;
     let differs = |text: &String| format!("the linear model is not about the specified point: {text}");
-    remarks.extend(found.remarks.iter().map(differs).map(Remark::warning));
+    remarks.extend(found.remarks.iter().map(differs).map(Message::warning));
     Ok(format!("{:#}", in_words(&found, &columns, frequency, time)))
 }
 

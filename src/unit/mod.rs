@@ -9,6 +9,6 @@ mod variator_unit;
 
 pub use linear::linear_model;
 pub use rings::{REMOVED, Rings, Settings, StandardRings, parameter};
-pub use table::shared_variables;
+pub use table::{AT_REST, shared_variables};
 pub use terminals::{TERMINALS, terminals};
 pub use variator_unit::{UnitWith, VariatorUnit, model_description};

@@ -44,6 +44,20 @@ const INITIAL_DEPENDENCIES: &[InitialDependencies] = &[
     ("solver.defect", &[]),
     ("solver.behind", &[]),
     ("solver.rollbacks", &[]),
+    AT_REST[0],
+    AT_REST[1],
+    AT_REST[2],
+    AT_REST[3],
+    AT_REST[4],
+];
+
+/// Outputs that are zero at the start, where the sheaves are at rest.
+pub const AT_REST: [InitialDependencies; 5] = [
+    ("primary.sheaveVelocity", &[]),
+    ("primary.cylinder.flow", &[]),
+    ("secondary.sheaveVelocity", &[]),
+    ("secondary.cylinder.flow", &[]),
+    ("loss.seals", &[]),
 ];
 
 /// The variable table of the variator.
@@ -89,16 +103,17 @@ macro_rules! pulley_outputs {
             read!("{}.position", 13, Output, Real("m", Range::typical(0.01)), "Displacement of the movable {} sheave, positive when it closes, 0 at ratio 1", $pulley.position),
             read!("{}.sheaveVelocity", 25, Output, Real("m/s", Range::typical(0.01)), "Speed of the movable {} sheave, positive when it closes", $pulley.sheave_velocity),
             read!("{}.cylinder.flow", 24, Output, Real("m3/s", Range::typical(1e-4)), "Flow into the cylinder of the {} pulley, {}.cylinder.area * {}.sheaveVelocity", $pulley.flow),
+            read!("{}.cylinder.volume", 26, Output, Real("m3", Range::typical(1e-4)), "Oil in the cylinder of the {} pulley beyond that at ratio 1, {}.cylinder.area * {}.position. Its change over a step, divided by the step, is the mean flow", $pulley.volume),
             read!("{}.clampingForceTotal", 23, Output, Real("N", Range::typical(1e4)), "Force that closes the {} sheaves at the end of the last step: {}.clampingForce, pressure, spring, rotating oil and seals, or the reaction of a held sheave", $pulley.clamping_force_total),
             read!("{}.axialForce", 14, Output, Real("N", Range::typical(1e4)), "Axial force of the belt on one {} sheave", $pulley.axial_force),
             read!("{}.shaftTorque", 15, Output, Real("N.m", Range::typical(100.0)), "Torque of the belt on the {} pulley, without the drag of the shaft; negative when the shaft drives the belt", $pulley.shaft_torque),
             read!("{}.externalTorque", 16, Output, Real("N.m", Range::typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or with {}.drive = Speed the torque that maintains the speed", $pulley.external_torque),
             read!("{}.power", 17, Output, Real("W", Range::typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed, without the acceleration of {}.inertia and the drag of the shaft", $pulley.power),
-            read!("spiral.{}", 18, Output, Real("m", Range::from(0.0).of_size(1e-4)), "Spiral running: spread of the running radius within the {} arc", $pulley.spiral),
-            read!("ring.stressAmplitude.{}", 21, Output, Real("Pa", Range::from(0.0).of_size(1e8)), "Stress amplitude of the ring's cycle on the {} pulley, at the face with the largest stress over a revolution. Each revolution of the ring, belt length / ring.speed, has one cycle on each pulley, by rainflow counting", ring_stress.amplitude.$pulley),
+            read!("spiral.{}", 18, Output, Real("m", Range::from(0.0).with_nominal(1e-4)), "Spiral running: spread of the running radius within the {} arc", $pulley.spiral),
+            read!("ring.stressAmplitude.{}", 21, Output, Real("Pa", Range::from(0.0).with_nominal(1e8)), "Stress amplitude of the ring's cycle on the {} pulley, at the face with the largest stress over a revolution. Each revolution of the ring, belt length / ring.speed, has one cycle on each pulley, by rainflow counting", ring_stress.amplitude.$pulley),
             read!("ring.stressMean.{}", 22, Output, Real("Pa", Range::typical(1e8)), "Mean stress of the ring's cycle on the {} pulley, of which ring.stressAmplitude.{} is the amplitude", ring_stress.mean.$pulley),
-            read!("{}.tilt", 19, Output, Real("rad", Range::from(0.0).of_size(1e-3)), "Tilt of one {} sheave under the belt forces, mean of both sheaves", $pulley.tilt),
-            read!("{}.idleArc", 20, Output, Real("rad", Range::from(0.0).of_size(1.0)), "Idle arc of the {} pulley: angle from the entry, in the direction of travel, to where the push force differs from that of the entering strand by a tenth of the difference between the strands; the whole wrap if that difference is below 20 N", $pulley.idle_arc),
+            read!("{}.tilt", 19, Output, Real("rad", Range::from(0.0).with_nominal(1e-3)), "Tilt of one {} sheave under the belt forces, mean of both sheaves", $pulley.tilt),
+            read!("{}.idleArc", 20, Output, Real("rad", Range::from(0.0).with_nominal(1.0)), "Idle arc of the {} pulley: angle from the entry, in the direction of travel, to where the push force differs from that of the entering strand by a tenth of the difference between the strands; the whole wrap if that difference is below 20 N", $pulley.idle_arc),
         ]
     };
 }
@@ -107,15 +122,15 @@ macro_rules! pulley_outputs {
 #[rustfmt::skip]
 pub(super) fn outputs<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
     let whole = [
-        read!("thrustRatio", 1, Output, Real("1", Range::between(-100.0, 100.0).of_size(1.0)), "Thrust ratio: axial force of the belt on the primary sheave / on the secondary sheave; 0 if the latter is below 1 N", thrust_ratio),
+        read!("thrustRatio", 1, Output, Real("1", Range::between(-100.0, 100.0).with_nominal(1.0)), "Thrust ratio: axial force of the belt on the primary sheave / on the secondary sheave; 0 if the latter is below 1 N", thrust_ratio),
         read!("belt.speed", 2, Output, Real("m/s", Range::typical(10.0)), "Mean pitch-line speed of the elements", belt_speed),
         read!("ring.speed", 3, Output, Real("m/s", Range::typical(10.0)), "Speed of the ring: rate of its drift through the mesh", ring_speed),
         read!("ratio.speed", 4, Output, Real("1", Range::typical(1.0)), "Primary speed / secondary speed; 0 at standstill", ratio_speed),
         read!("ratio.geometric", 5, Output, Real("1", Range::typical(1.0)), "secondary.radius / primary.radius", ratio_geometric),
-        read!("reference.theta", 6, Output, Real("1", Range::between(-1.0, 1.0).of_size(0.3)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i), i the ratio of its radii secondary/primary; positive in overdrive", reference_theta),
-        read!("slip", 7, Output, Real("1", Range::between(-2.0, 2.0).of_size(0.01)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 near standstill of the primary pulley, even if the belt slips through (see macroSlip)", slip),
+        read!("reference.theta", 6, Output, Real("1", Range::between(-1.0, 1.0).with_nominal(0.3)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i), i the ratio of its radii secondary/primary; positive in overdrive", reference_theta),
+        read!("slip", 7, Output, Real("1", Range::between(-2.0, 2.0).with_nominal(0.01)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 near standstill of the primary pulley, even if the belt slips through (see macroSlip)", slip),
         read!("efficiency", 8, Output, Real("1", Range::typical(1.0)), "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow. Meaningful at constant speeds only, because the power includes changes of the belt's kinetic energy", efficiency),
-        read!("torqueUtilisation", 9, Output, Real("1", Range::between(0.0, 10.0).of_size(1.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). In underdrive the primary pulley slips first, from about 0.8 when driving and 0.6 in overrun", torque_utilisation),
+        read!("torqueUtilisation", 9, Output, Real("1", Range::between(0.0, 10.0).with_nominal(1.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). In underdrive the primary pulley slips first, from about 0.8 when driving and 0.6 in overrun", torque_utilisation),
         read!("macroSlip", 10, Output, Switch, "True if all loaded elements of a pulley slide tangentially in the same direction: the belt slips through", macro_slip),
         read!("loss.total", 11, Output, Real("W", Range::typical(100.0)), "Sum of all losses", losses.total()),
         read!("loss.sheaves", 12, Output, Real("W", Range::typical(100.0)), "Friction loss between elements and sheaves", losses.sheaves),
@@ -134,11 +149,11 @@ pub(super) fn outputs<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S
         read!("solver.steps", 27, Output, Count, "Steps of the integrator since the start, including rejected ones", work.steps),
         read!("solver.jacobians", 28, Output, Count, "Jacobians formed and factored since the start", work.jacobians),
         read!("solver.residuals", 29, Output, Count, "Residuals evaluated since the start", work.residuals),
-        read!("solver.defect", 30, Output, Real("1", Range::from(0.0).of_size(1.0)), "Largest remaining Newton correction of the steps of the last communication step, relative to the tolerance of Newton's method: below 1", work.defect),
-        read!("solver.behind", 31, Output, Real("s", Range::from(0.0).of_size(1e-3)), "Delay of the outputs with solver.mode = RealTime, while a step for which the work did not last continues, at most 0.02 s; 0 with solver.mode = Accurate", work.behind),
+        read!("solver.defect", 30, Output, Real("1", Range::from(0.0).with_nominal(1.0)), "Largest remaining Newton correction of the steps of the last communication step, relative to the tolerance of Newton's method: below 1", work.defect),
+        read!("solver.behind", 31, Output, Real("s", Range::from(0.0).with_nominal(1e-3)), "Delay of the outputs with solver.mode = RealTime, while a step for which the work did not last continues, at most 0.02 s; 0 with solver.mode = Accurate", work.behind),
         read!("solver.rollbacks", 32, Output, Count, "Steps without a solution with solver.mode = RealTime since the start: each was begun again with half the length", work.rollbacks),
         read!("belt.misalignment", 20, Output, Real("m", Range::typical(1e-3)), "Axial offset of the primary belt plane from the secondary's; it changes with the ratio, because the movable sheaves are on opposite sides", misalignment),
-        read!("belt.lateralMax", 21, Output, Real("m", Range::from(0.0).of_size(1e-3)), "Largest axial deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", lateral_max),
+        read!("belt.lateralMax", 21, Output, Real("m", Range::from(0.0).with_nominal(1e-3)), "Largest axial deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", lateral_max),
         read!("belt.skew", 22, Output, Real("rad", Range::typical(1e-2)), "Mean inclination of the strands to the plane of the drive, from secondary to primary; 0 without ring.spatial", skew),
     ];
     let of = |owner| move |row: Row<'_, S, Q>| row.variable(owner);
@@ -152,6 +167,7 @@ fn locals<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
     let rows = [
         read!("stored.energy", 18, Local, Real("J", Range::typical(1000.0)), "Kinetic and elastic energy stored in the variator", stored_energy),
         read!("energy.residual", 19, Local, Real("J", Range::typical(1.0)), "Energy residual since the start: supplied - lost - stored", energy_residual),
+        read!("solver.skipped", 37, Local, Real("s", Range::from(0.0).with_nominal(1e-3)), "Time that was left out since the start with solver.mode = RealTime: what a run would be behind beyond 0.02 s", work.skipped),
         read!("initial.found", 23, Local, Choice(StartState), "State from which the run started: the requested one, or the reason for another one", start_state as i32),
     ];
     rows.into_iter().map(|row| row.variable(WHOLE))

@@ -3,9 +3,9 @@
 use super::rings::{Rings, Settings, StandardRings};
 use super::table;
 use crate::archive::Archive;
-use crate::fmi::unit::{Experiment, Identity, Remark, Unit};
+use crate::fmi::unit::{Experiment, Identity, Message, Unit};
 use crate::fmi::{Table, Version};
-use crate::variator::run::{CommunicationStep, Event, Message, Variator};
+use crate::variator::run::{CommunicationStep, Event, Variator};
 use crate::variator::settings::{Inputs, Mesh, ParameterError, Parameters, Readings, range_of};
 use std::marker::PhantomData;
 
@@ -26,7 +26,7 @@ pub fn model_description(version: Version) -> String {
 }
 
 impl<R: Rings> UnitWith<R> {
-    fn build(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn build(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String> {
         let mut parameters = settings.parameters.clone();
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
@@ -41,17 +41,12 @@ impl<R: Rings> UnitWith<R> {
     /// Applies the tunable parameters.
     fn tune(&mut self, settings: &Settings<R>) -> Result<(), ParameterError> {
         let wanted = &settings.parameters.friction;
-        let present = &self.variator.parameters().friction;
-        if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
-            self.variator.set_friction(wanted.pulley, wanted.ring)?;
-        }
-        Ok(())
+        self.variator.set_friction(wanted.pulley, wanted.ring)
     }
 
     /// Moves the variator's messages to the remarks.
-    fn move_messages(&mut self, remarks: &mut Vec<Remark>) {
-        let messages = self.variator.take_messages().into_iter();
-        remarks.extend(messages.map(|Message { warning, text }| Remark { warning, text }));
+    fn move_messages(&mut self, remarks: &mut Vec<Message>) {
+        remarks.extend(self.variator.take_messages());
     }
 }
 
@@ -76,7 +71,7 @@ impl<R: Rings> Unit for UnitWith<R> {
         checked.map_err(|error| error.to_string())
     }
 
-    fn start(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String> {
         let mut unit = Self::build(settings, experiment, remarks)?;
         let started = unit.variator.initialise(0.0, &settings.inputs);
         unit.move_messages(remarks);
@@ -103,10 +98,15 @@ impl<R: Rings> Unit for UnitWith<R> {
         _: f64,
         step: &mut CommunicationStep,
         settings: &Settings<R>,
-        remarks: &mut Vec<Remark>,
+        remarks: &mut Vec<Message>,
     ) -> Result<(), String> {
-        let given = step.set_inputs(&settings.inputs);
-        let advanced = given.and_then(|()| step.advance(&mut self.variator));
+        let advanced = match step.set_inputs(&settings.inputs) {
+            Ok(()) => step.advance(&mut self.variator),
+            refused => {
+                step.discard(&mut self.variator);
+                refused
+            }
+        };
         self.move_messages(remarks);
         advanced.map_err(|error| error.to_string())
     }
@@ -123,7 +123,7 @@ impl<R: Rings> Unit for UnitWith<R> {
         step.end_at(&self.variator, to);
     }
 
-    fn finish(&mut self, step: &CommunicationStep, remarks: &mut Vec<Remark>) {
+    fn finish(&mut self, step: &CommunicationStep, remarks: &mut Vec<Message>) {
         step.finish(&mut self.variator);
         self.move_messages(remarks);
     }
@@ -171,8 +171,8 @@ fn find_memory(mesh: &Mesh) -> Result<(), String> {
 
 /// The tolerance to use, from the parameter and from the experiment. Masters pass the default experiment's tolerance
 /// without any action of the user, so a changed parameter takes precedence.
-fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) -> f64 {
-    let mut remark = |warning, text| remarks.push(Remark { warning, text });
+fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Message>) -> f64 {
+    let mut remark = |warning, text| remarks.push(Message { warning, text });
     if parameter != Parameters::default().solver.tolerance {
         if parameter != experiment {
             let over = format!("takes precedence over the experiment's tolerance {experiment}");

@@ -12,9 +12,9 @@ use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
-use crate::variator::pulleys::loads::{Boundary, Loads, PSEUDO_INERTIA};
+use crate::variator::pulleys::loads::{Boundary, Loads};
 use crate::variator::pulleys::rows::Pulleys;
-use crate::variator::settings::parameters::Parameters;
+use crate::variator::settings::parameters::{Parameters, ParametersInForce};
 use std::sync::Arc;
 
 /// The assembled variator.
@@ -24,8 +24,8 @@ pub struct VariatorSystem {
     pub belt: Arc<Belt>,
     /// Loads and set points at the pulleys.
     pub loads: Loads,
-    /// Parameters as set, including the friction coefficients, which can change in a run.
-    pub parameters: Parameters,
+    /// Parameters in force, including the friction coefficients, which can change in a run.
+    pub parameters: ParametersInForce,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
     /// Loads of the belt on the pulleys in the last residual.
@@ -66,11 +66,8 @@ impl VariatorSystem {
 
     /// The pulleys: shafts and sheaves.
     pub fn pulleys(&self) -> Pulleys<'_> {
-        let inertia_factor = match self.loads {
-            Loads::Inputs(..) => 1.0,
-            Loads::Steady(_) => PSEUDO_INERTIA,
-        };
-        Pulleys::new(&self.parameters, &self.belt, inertia_factor)
+        let is_steady = matches!(self.loads, Loads::Steady(_));
+        Pulleys::new(&self.parameters, &self.belt, is_steady)
     }
 
     /// Conditions of the pulleys at a time, s.
@@ -135,13 +132,11 @@ impl VariatorSystem {
         self.assembly.forget_derivatives();
     }
 
-    /// Writes to an archive, or reads from it, the loads and the friction in force.
+    /// Writes to an archive, or reads from it, the loads and the friction.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.loads.serialize(archive);
         archive.real(&mut self.friction_velocity);
-        let friction = &mut self.parameters.friction;
-        archive.within(&mut friction.pulley, 0.0, 1.0);
-        archive.within(&mut friction.ring, 0.0, 1.0);
+        self.parameters.serialize(archive);
     }
 
     /// Writes to an archive the points of the cached derivatives, or reads them, and evaluates these.

@@ -1,10 +1,12 @@
-//! The symmetry of the assembled system.
+//! The symmetry of the assembled system, and what the error norm refuses.
 
+use super::diagnostics::energy_balance::{EnergyBalance, Problem};
 use super::settings::parameters::Parameters;
 use super::steady::start::{Start, kinematic_state};
 use super::system::VariatorSystem;
-use crate::pulley::PerPulley;
-use crate::solver::System;
+use crate::pulley::{PerPulley, Pulley};
+use crate::solver::sdirk::Evolution;
+use crate::solver::{State, System};
 use pushbelt_support::noise;
 
 /// Space mirrored in the plane of the drive: sheaves on the other sides, w the other way, everything else alike.
@@ -50,4 +52,27 @@ fn mirrored_in_the_plane() {
     }
     assert!(places.iter().any(|&i| rows[i].abs() > 1.0));
     assert_eq!(rows, reflected);
+}
+
+/// An error that is not a number is beyond the tolerance, of whichever unknown it is.
+#[test]
+fn no_step_with_an_error_that_is_no_number_is_accepted() {
+    let parameters = Parameters::default();
+    let mut system = VariatorSystem::new(&parameters);
+    let mut energy = EnergyBalance::default();
+    let layout = system.belt.layout;
+    let [speed, content] = system.belt.cells_at[3].each();
+    let [sheave, shaft] = [layout.sheave(Pulley::Primary), layout.shaft_speed(Pulley::Secondary)];
+    let tilt = layout.tilt(Pulley::Primary, 1);
+    let (system, energy) = (&mut system, &mut energy);
+    let problem = Problem { system, energy };
+    let state = State::zero(layout.len());
+    let norm = |y: &[f64], q: &[f64]| problem.error_norm(state.view(), y, q);
+    let zeros = vec![0.0; layout.len()];
+    assert_eq!(norm(&zeros, &zeros), 0.0);
+    for i in [layout.theta(), sheave, shaft, tilt, speed, content] {
+        let mut wrong = zeros.clone();
+        wrong[i] = f64::NAN;
+        assert!(norm(&wrong, &wrong) > 1.0, "unknown {i}");
+    }
 }

@@ -226,6 +226,39 @@ fn external_torques_are_those_of_the_clock() {
     assert!(behind > 1e-3, "{behind} s");
 }
 
+/// Far too little work for a torque that flips: the time that is left out is counted and logged once, also across a stored state. With
+/// enough there is none.
+#[test]
+fn time_that_is_left_out_is_counted() {
+    for effort in [1, 16] {
+        let mut parameters = in_real_time(variator(Ale), effort);
+        parameters.solver.input_ramp = -1.0;
+        let mut run = Run::new(parameters.clone(), Inputs::default());
+        let mut before = 0.0;
+        for k in 0..300 {
+            run.inputs.primary.torque = if k % 2 == 0 { 60.0 } else { -60.0 };
+            let work = run.go(1e-3, 1e-3).work;
+            let grown = work.skipped - before;
+            assert!(
+                grown >= 0.0 && (grown == 0.0 || (work.behind - 0.02).abs() < 1e-9),
+                "{k}"
+            );
+            before = work.skipped;
+            assert_eq!(
+                run.warnings("left out"),
+                usize::from(before > 0.0),
+                "{:?}",
+                run.messages
+            );
+            if k == 200 {
+                run.variator = restored(&mut run.variator, parameters.clone());
+                assert_eq!(run.outputs().work.skipped, before);
+            }
+        }
+        assert_eq!(before > 0.0, effort == 1);
+    }
+}
+
 /// Communication steps that are not whole milliseconds have work in proportion to their time.
 #[test]
 fn the_bound_is_in_proportion_to_time() {

@@ -6,7 +6,11 @@ use pushbelt::fmi::log::Status::Ok;
 use crate::importer::{Ended, Handles};
 use crate::variator::Importer;
 
-const EVENTS: Handles<'_> = (true, true, &[]);
+const EVENTS: Handles<'_> = Handles {
+    events: true,
+    early_return: true,
+    required: &[],
+};
 
 /// After 20 ms at constant inputs, a load and clamping forces for the following steps.
 fn loaded(handles: Handles<'_>, torque: f64, [primary, secondary]: [f64; 2]) -> Importer {
@@ -51,7 +55,7 @@ fn a_step_ends_where_the_belt_begins_to_slip_through() {
     assert!(importer.is("macroSlip"));
     let words = "the belt begins to slip through (macro-slip)";
     assert_eq!(importer.last(), format!("event at {} s: {words}", ended.time));
-    // The master lowers the torque in event mode.
+    // The importer lowers the torque in event mode.
     assert_eq!(importer.enter_event_mode(), Ok);
     importer.put("primary.torque", 20.0);
     importer.handle_event();

@@ -28,11 +28,11 @@ fn text(importer: &Importer, frequency: f64) -> (Status, Option<String>) {
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn every_host_gets_the_same_model_and_keeps_its_environment() {
-    use crate::environment::{DEFAULT, HOSTS, within};
+    use crate::environment::{DEFAULT, HOSTS, call_in};
     let model = || text(&steady(&[]), 100.0);
-    let expected = within(DEFAULT, model);
+    let expected = call_in(DEFAULT, model);
     for host in HOSTS {
-        assert!(within(host, model) == expected, "{host:?}");
+        assert!(call_in(host, model) == expected, "{host:?}");
     }
 }
 
@@ -55,8 +55,11 @@ fn steady(inputs: &[(&str, f64)]) -> Importer {
 /// The log has a warning with this text.
 fn assert_warned(importer: &Importer, part: &str) {
     let messages = importer.record.messages.borrow();
-    let mut warnings = messages.iter().filter(|(status, ..)| *status == Warning as i32);
-    assert!(warnings.any(|(_, _, text)| text.contains(part)), "{part}: {messages:?}");
+    let mut warnings = messages.iter().filter(|message| message.status == Warning as i32);
+    assert!(
+        warnings.any(|message| message.text.contains(part)),
+        "{part}: {messages:?}"
+    );
 }
 
 fn list(value: &Value) -> &[Value] {

@@ -76,12 +76,16 @@ fn rows(run: &Run, version: Version, handles: Handles<'_>) -> Vec<Vec<u64>> {
     (0..).zip(&run.steps).map(step).collect()
 }
 
-/// The versions agree to the last bit, also with intermediate updates in which the master does nothing.
+/// The versions agree to the last bit, also with intermediate updates in which the importer does nothing.
 fn check(run: &Run) {
     let expected = rows(run, Two, Handles::default());
     let required = ["thrustRatio", "primary.torque"].map(reference);
     for (events, early_return, required) in [(false, false, &[][..]), (false, true, &required), (true, false, &[])] {
-        let handles = (events, early_return, required);
+        let handles = Handles {
+            events,
+            early_return,
+            required,
+        };
         let found = rows(run, Three, handles);
         let differs = expected.iter().zip(&found).position(|(a, b)| a != b);
         assert_eq!(differs, None, "the first step that differs");
@@ -132,7 +136,12 @@ fn instances_on_threads_give_the_sequential_bits() {
     let run = |version: Version, number: u32| {
         let speed = [reference("primary.speed")];
         let watched: &[u32] = if number.is_multiple_of(2) { &speed } else { &[] };
-        let importer = Importer::coarse(version, (false, true, watched));
+        let handles = Handles {
+            early_return: true,
+            required: watched,
+            ..Handles::default()
+        };
+        let importer = Importer::coarse(version, handles);
         importer.start();
         let alias = importer.alias();
         importer.answer(move |_| {
@@ -205,11 +214,11 @@ fn set_largest_loads(importer: &Importer) {
     }
 }
 
-/// A step from `from`, s, is discarded, and all is as before: outputs, counts of work and flags.
+/// A step from `from`, s, is discarded, and all is as before: outputs and their derivatives, counts of work and flags.
 fn discard(importer: &Importer, from: f64, size: f64) {
     let everything = || {
         let counts = ["solver.steps", "solver.jacobians", "solver.residuals"].map(|name| importer.count(name));
-        (importer.readings(), counts, importer.is("macroSlip"))
+        (importer.readings(), importer.slopes(), counts, importer.is("macroSlip"))
     };
     let before = everything();
     let ended = importer.step(from, size);
@@ -243,7 +252,11 @@ fn a_step_that_stalls_is_discarded() {
 #[test]
 fn a_step_that_takes_too_much_work_is_discarded_and_can_be_repeated() {
     let required = ["primary.torque", "primary.speed"].map(reference);
-    let watched: Handles<'_> = (false, true, &required);
+    let watched = Handles {
+        events: false,
+        early_return: true,
+        required: &required,
+    };
     for (version, handles) in [(Two, Handles::default()), (Three, watched)] {
         let importer = fragile(version, handles, 1e-4);
         let gentle = LOADS.map(|name| (name, importer.get(name)));

@@ -20,15 +20,48 @@ fn implausible_loads_are_logged() {
         assert_eq!(importer.enter(Experiment::default()), Ok);
         let status = importer.exit();
         let messages = importer.record.messages.borrow();
-        let found = messages.iter().find(|(_, _, text)| text.contains(part));
-        let (level, category, text) = found.unwrap_or_else(|| panic!("{messages:?}")).clone();
-        (status, level, category, text)
+        let found = messages.iter().find(|message| message.text.contains(part));
+        let found = found.unwrap_or_else(|| panic!("{messages:?}")).clone();
+        (status, found.status, found.category, found.text)
     };
     let speed = logged("initial.primarySpeed", 2000.0, "initial.primarySpeed in rpm");
     assert_eq!((speed.0, speed.1, &*speed.2), (Ok, 1, "logStatusWarning"));
     let force = logged("secondary.clampingForce", 13.5, "secondary.clampingForce = 13.5 N");
     assert_eq!((force.0, force.1, &*force.2), (Error, 3, "logStatusError"));
     assert!(force.3.contains("kN"), "{}", force.3);
+}
+
+/// A belt that is clamped by pressures on no area: one warning without debug logging too, and the status stays OK; or an error.
+#[test]
+fn a_start_that_was_not_found_is_a_warning_or_an_error() {
+    for version in BOTH {
+        for strict in [false, true] {
+            let importer = Importer::coarse(version, Handles::default());
+            assert_eq!(importer.log(false, &[]), Ok);
+            importer.flag("initial.steady", true);
+            importer.flag("initial.strict", strict);
+            importer.put("primary.pressure", 1e6);
+            importer.put("primary.clampingForce", 0.0);
+            importer.put("secondary.clampingForce", 0.0);
+            assert_eq!(importer.enter(Experiment::default()), Ok);
+            assert_eq!(importer.exit(), if strict { Error } else { Ok });
+            let messages = importer.record.messages.borrow().clone();
+            let found = |text: &str| {
+                let mut found = messages.iter().filter(|message| message.text.contains(text));
+                let message = found.next().unwrap_or_else(|| panic!("{messages:?}"));
+                assert!(found.next().is_none(), "{messages:?}");
+                (message.status, message.category.clone())
+            };
+            let warning = (1, "logStatusWarning".to_owned());
+            assert_eq!(found("primary.cylinder.area is 0"), warning);
+            if strict {
+                assert_eq!(found("initial.strict"), (3, "logStatusError".to_owned()));
+            } else {
+                assert_eq!(found("what helps"), warning);
+                assert_eq!(importer.count("initial.found"), 5);
+            }
+        }
+    }
 }
 
 /// The importer passes no location: the library looks beside itself.

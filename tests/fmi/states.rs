@@ -27,7 +27,13 @@ fn a_state_is_continued_bit_for_bit_in_every_instance() {
     for (from, bytes, expected) in [early, late] {
         let running = Importer::running(Three);
         running.advance(0.0, 0.007);
-        let watching = Importer::handling(Three, (false, false, &required));
+        let watching = Importer::handling(
+            Three,
+            Handles {
+                required: &required,
+                ..Handles::default()
+            },
+        );
         for other in [Importer::new(Two), running, watching] {
             assert_eq!(other.continue_from(&bytes), Ok, "{}", other.last());
             assert!(other.bytes() == bytes, "a state at rest is itself");
@@ -91,7 +97,7 @@ fn manipulated_bytes_cause_no_panic_and_no_unbounded_work() {
         });
         assert!(allocated.bytes_max < 256 << 20, "{} bytes at once", allocated.bytes_max);
         let messages = importer.record.messages.borrow();
-        let panic = messages.iter().find(|(_, _, text)| text.contains("internal error"));
+        let panic = messages.iter().find(|message| message.text.contains("internal error"));
         assert!(panic.is_none(), "{panic:?}");
         Result::Ok(())
     });

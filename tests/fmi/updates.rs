@@ -6,12 +6,19 @@ use std::rc::Rc;
 use pushbelt::fmi::Version::Three;
 use pushbelt::fmi::log::Status::Ok;
 
+use crate::importer::Handles;
 use crate::variator::{Importer, reference};
 
 /// An importer that is called back and may return early.
 fn watching(early_return: bool) -> Importer {
     let required = ["primary.torque", "primary.speed", "primary.externalTorque"].map(reference);
-    Importer::coarse(Three, (false, early_return, &required))
+    let required = &required;
+    let handles = Handles {
+        early_return,
+        required,
+        ..Handles::default()
+    };
+    Importer::coarse(Three, handles)
 }
 
 #[test]

@@ -135,7 +135,7 @@ fn the_declared_dependencies_are_those_that_are_found() {
     }
     let outputs = || table.variables().iter().filter(|v| v.causality == Causality::Output);
     let listed = outputs().filter_map(|v| Some((v, table.initial_dependencies(v)?)));
-    assert_eq!(listed.clone().count(), 7);
+    assert_eq!(listed.clone().count(), 12);
     for (output, places) in listed {
         let seen = seen.remove(&output.name).unwrap_or_default();
         for place in places {

@@ -133,10 +133,12 @@ def drive_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def pytest_addoption(parser: pytest.Parser) -> None:
     """`cargo fmu test` runs the first tier, `cargo fmu test --all` everything."""
     parser.addoption("--first-tier", action="store_true", help="leave out the second tier")
+    parser.addoption("--full", action="store_true", help="run what `.ci/full` runs, too")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "slow: left to `cargo fmu test --all`")
+    config.addinivalue_line("markers", "full: left to `.ci/full`")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -145,9 +147,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     second = [one for one in items if one.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(one, "fixturenames", ()))]
     long = {one.path for one in second}
     items.sort(key=lambda one: one.path not in long)
-    if config.getoption("--first-tier"):
-        config.hook.pytest_deselected(items=second)
-        items[:] = [one for one in items if one not in second]
+    left = second if config.getoption("--first-tier") else []
+    left = left if config.getoption("--full") else [*left, *(one for one in items if one.get_closest_marker("full") and one not in left)]
+    if left:
+        config.hook.pytest_deselected(items=left)
+        items[:] = [one for one in items if one not in left]
 
 
 @pytest.hookimpl(trylast=True)

@@ -124,6 +124,28 @@ def test_points_without_a_steady_state_do_not_break_the_fit() -> None:
     assert result.estimates[0].value == pytest.approx(0.098, rel=2e-3)
 
 
+def test_a_search_without_steady_states_is_bounded() -> None:
+    """Points beyond the capacity cost most. Forces in a unit that is too small lose nearly all of them at any friction."""
+    sound = model(lambda v, u: v[0] * (1.0 + u), (0.098,), ("friction.pulley",), count=10, deviation=1e-3)
+
+    def solve(jobs: Sequence[Job]) -> list[Found]:
+        share = [values["friction.pulley"] / 5.0 for values, _ in jobs]
+        lost = [Found({}, "slips", 2.0 - one, worker.LOST_SOLVES) for one in share]
+        return [one if point.torque > 0.2 else found for one, found, (_, point) in zip(lost, sound.solve(jobs), jobs, strict=True)]
+
+    opened = Model(sound.points, solve)
+    opened.most_solves = 400
+    with pytest.raises(fit.FitError, match="8 of 10 points have no steady state.*pounds"):
+        fit.fit(opened, [parameter("friction.pulley", 0.062, high=10.0)])
+    assert 200 < opened.solves <= opened.most_solves
+
+
+def test_points_beyond_the_capacity_are_not_solved(fmu: Path, archive: Any) -> None:
+    point = Point(0, "", 1.0, None, SPEED, 500.0, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
+    found = worker.solve(fmu, archive.directory, BASE, point)
+    assert "no steady state: the capacity is" in found.reason and found.solves == 1 and 1.0 < found.missing < 2.0
+
+
 def with_value(point: Point, value: float) -> Point:
     return replace(point, measured=(replace(point.measured[0], value=float(value)),))
 
@@ -279,6 +301,25 @@ def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, c
     for file in (fmu, tmp_path / "rig.csv", out / "parameters.json"):
         assert hashlib.sha256(file.read_bytes()).hexdigest() in report
     reports.look_at(out / "report.html")
+
+
+def test_pressures_are_forces_of_the_set_and_a_hold_out_has_the_variator_beside_it(fmu: Path, solved: Solved, tmp_path: Path) -> None:
+    """In the fit, in the check and in the hold-out, where --set holds for both sets."""
+    area, table, out = 0.008, tmp_path / "rig.csv", tmp_path / "out"
+    lines = [[i, SPEED, t, 1e-5 * FORCE / area, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
+    header = HEADER.replace("secondary.clampingForce [N]", "secondary.pressure [bar]")
+    table.write_text("\n".join([header, *(";".join(map(repr, line)) for line in lines)]) + "\n", encoding="utf-8")
+    words = [str(table), "--fmu", str(fmu), "--output", str(out), "--workers", "1", "--set", f"secondary.cylinder.area={area}"]
+    assert __main__.main([*words, "--check", "--set", "ring.model=ALE"]) == 0
+    assert __main__.main([*words, "--fit", "friction.pulley"]) == 0
+    fits(out)
+    fitted = str(out / "parameters.json")
+    assert __main__.main([*words, "--hold-out", fitted, "--variator", "belt155", "--set", f"friction.pulley={FRICTION}"]) == 0
+    scores = {(s["quantity"], s["variator"]): s["relative"] for s in json.loads((out / "holdout.json").read_text(encoding="utf-8"))}
+    assert {variator for _, variator in scores} == {fitted, "belt155"}
+    assert scores["slip", fitted] < 0.05 and scores["slip", "belt155"] > 0.3
+    assert __main__.main([*words, "--hold-out", "bench168", "--set", f"friction.pulley={FRICTION}"]) == 0
+    assert all(s["relative"] < 0.05 for s in json.loads((out / "holdout.json").read_text(encoding="utf-8")))
 
 
 def test_the_first_line_names_a_wrong_value(calibrated, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -27,7 +27,7 @@ def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
 
 NO_POINT = [
     ({"ratio": -1.0}, "ratio = -1"), ({"ratio": 0.0}, "ratio = 0"), ({"torque": float("nan")}, "torque = nan"),
-    ({"force": -5e3}, "force = -5000 N"), ({"safety": 0.0}, "safety = 0.0"),
+    ({"force": -5e3}, "force = -5000 N"), ({"safety": 0.0}, "safety = 0 "),
 ]  # fmt: skip
 BEYOND = [
     ({"torque": 40.0, "force": 9.0}, r"0.09\d+ N·m at 9 N. .* 9 kN"), ({"torque": -35.0, "force": 14.0}, r"-35 N·m, .* at 14 N. .* 14 kN"),

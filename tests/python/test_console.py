@@ -1,4 +1,4 @@
-"""Programs as processes: output that can't be encoded, Ctrl-C, and files on a full disk."""
+"""Programs as processes: output that can't be encoded, Ctrl-C and SIGTERM, and files on a full disk."""
 
 from __future__ import annotations
 
@@ -44,14 +44,15 @@ def process(words: list[str], **variables: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen([sys.executable, *words], env=known, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
 
 
-def interrupted(started: subprocess.Popen[bytes], busy: Callable[[], bool]) -> tuple[int, list[str]]:
-    """Exit code and lines of the errors after Ctrl-C in a process that is busy. No process of it remains."""
+def interrupted(started: subprocess.Popen[bytes], busy: Callable[[], bool], how: int = signal.SIGINT) -> tuple[int, list[str]]:
+    """Exit code and lines of the errors after Ctrl-C, which all of its group get, or another signal, in a process that is busy. No process of it
+    remains."""
     while not busy():
         assert started.poll() is None, started.communicate()
         time.sleep(0.05)
     own = psutil.Process(started.pid).children(recursive=True)
     assert own
-    os.killpg(started.pid, signal.SIGINT)
+    (os.killpg if how == signal.SIGINT else os.kill)(started.pid, how)
     _, errors = started.communicate(timeout=60.0)
     assert not psutil.wait_procs(own, timeout=10.0)[1]
     return started.returncode, errors.decode().splitlines()
@@ -77,15 +78,40 @@ def test_ctrl_c_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> Non
     """Two processes besides that of resources: workers that have started or are about to."""
     (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
     words = [word.replace("table.csv", str(tmp_path / "table.csv")) for word in words]
-    started = process(["-m", "pushbelt.cli", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
+    started = process(["-m", "pushbelt", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
     children = psutil.Process(started.pid).children
     code, said = interrupted(started, lambda: len(children()) >= 3)
     # `calibrate` says first how long it takes.
     assert (code, said[-1:]) == (130, ["interrupted"]) and not any("Traceback" in line for line in said)
 
 
+@INTERRUPTIBLE
+def test_sigterm_ends_busy_workers_with_one_line(tmp_path: Path) -> None:
+    script, places = tmp_path / "pool.py", [tmp_path / "one", tmp_path / "two"]
+    script.write_text(POOL, encoding="utf-8")
+    started = process([str(script), *map(str, places)])
+    assert interrupted(started, lambda: all(place.exists() for place in places), signal.SIGTERM) == (143, ["terminated"])
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="What a process has loaded is read from /proc")
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [["calibrate", "table.csv"], ["drive", "--cycle", "nedc"], ["maps"]], ids=lambda words: words[0])
+def test_sigterm_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> None:
+    """Once two workers use the FMU."""
+    (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
+    words = [word.replace("table.csv", str(tmp_path / "table.csv")) for word in words]
+    started = process(["-m", "pushbelt", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
+
+    def busy() -> bool:
+        maps = (Path(f"/proc/{one.pid}/maps") for one in psutil.Process(started.pid).children(recursive=True))
+        return sum("PushbeltVariator" in one.read_text() for one in maps if one.exists()) >= 2
+
+    code, said = interrupted(started, busy, signal.SIGTERM)
+    assert (code, said[-1:]) == (143, ["terminated"]) and not any("Traceback" in line for line in said)
+
+
 def test_characters_that_the_output_lacks_are_replaced() -> None:
-    output, errors = process(["-m", "pushbelt.cli", "docs", "studies"], PYTHONIOENCODING="ascii").communicate()
+    output, errors = process(["-m", "pushbelt", "docs", "studies"], PYTHONIOENCODING="ascii").communicate()
     assert not errors
     page = (DOCS / "studies.md").read_text(encoding="utf-8").encode("ascii", "replace")
     assert b"?" in output and output.decode().split() == page.decode().split()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import re
 import shlex
 import sys
@@ -12,6 +13,8 @@ from pathlib import Path
 import pytest
 
 from pushbelt import cli
+from pushbelt.calibrate.parameters import DEFAULT
+from pushbelt.fmu.data import parameter_set
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -82,6 +85,20 @@ def test_programs_of_a_page_print_what_stands_there(page: str, fmu: Path, monkey
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     monkeypatch.chdir(tmp_path)
     assert page_programs.renewed(page) == (page_programs.DOCS / page).read_text(encoding="utf-8")
+
+
+def test_the_template_of_a_calibration_fits_the_present_model(fmu: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    written = page_programs.EXAMPLES.read_text(encoding="utf-8")
+    assert written == page_programs.example_table(), "write the table anew by fmu-build/python/page_programs.py"
+    table, out = tmp_path / "points.csv", tmp_path / "out"
+    assert cli.main(["calibrate", "--template", str(table)]) == 0
+    assert table.read_text(encoding="utf-8").endswith(written)
+    assert cli.main(["calibrate", str(table), "--fmu", str(fmu), "--output", str(out)]) == 0
+    found = json.loads((out / "parameters.json").read_text(encoding="utf-8"))["parameters"]
+    for name, value in parameter_set("bench168").items():
+        assert found[name]["value"] == pytest.approx(value, rel=0.02)
+        assert (found[name]["origin"] == "calibrated") == (name in DEFAULT)
 
 
 def test_files_that_the_book_names_are_there() -> None:

@@ -14,9 +14,9 @@ import reports
 from sample_maps import default_maps
 
 from pushbelt.compare.runs import pairs as compared
-from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
+from pushbelt.drive import __main__, report, runs, simulate, thrust_map, transmission
 from pushbelt.drive.control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
-from pushbelt.drive.cycle import CYCLES, PARTS, Cycle, wltc_class_3b
+from pushbelt.drive.cycle import CYCLES, PARTS, Cycle, of_file, wltc_class_3b
 from pushbelt.drive.measure import measure
 from pushbelt.drive.report import Merit, merit
 from pushbelt.drive.piecewise import clip, interpolate
@@ -97,6 +97,39 @@ def test_section_starts_at_zero_and_at_standstill() -> None:
     for ends, named in (((1578.0, 1700.0), "1578"), ((0.0, 2000.0), "2000")):
         with pytest.raises(ValueError, match=named):
             cycle.section(*ends)
+
+
+OWN = "Zeit [s];v [km/h]\n0;0\n3,5;0\n8;30,6\n15;36\n20;0\n20,005;0\n"
+
+
+def test_a_cycle_of_one_s_own(tmp_path: Path) -> None:
+    """Its close-up begins in the last whole second before the car moves."""
+    (tmp_path / "own.csv").write_text(OWN, encoding="utf-8")
+    cycle = of_file(tmp_path / "own.csv")
+    assert (cycle.at(8.0), cycle.at(15.0), cycle.duration) == pytest.approx((8.5, 10.0, 20.005))
+    own, short = (runs.plan(str(tmp_path / "own.csv"), short) for short in (False, True))
+    assert (own.title, own.cycle, own.close_up, own.low_friction) == ("own.csv", (0.0, 20.0), (3.0, 20.0), (3.0, 13.0))
+    assert (short.cycle, short.close_up) == ((3.0, 20.0), (3.0, 13.0))
+    assert [setup.cycle.duration for setup in own.setups()] == [20.0, 20.0, 17.0, 10.0, 10.0]
+    wrong = {
+        OWN.replace("8;", "3;"): "line 4.*time 3 s", OWN.replace("36", ""): "line 5", OWN.replace("0;0\n3,5", "1;0\n3,5"): "line 2.*time 1 s",
+        OWN.replace("v [km/h]", "v"): "unit", OWN.replace("v [km/h]", "n [rpm]"): "no column speed",
+        OWN.replace("0;0\n3,5", "0;1\n3,5"): "moves at 0 s", OWN.replace("30,6", "0,0").replace("36", "0"): "never moves", OWN.replace("36", "3600"): "line 5.*3600",
+    }  # fmt: skip
+    for text, named in wrong.items():
+        (tmp_path / "own.csv").write_text(text, encoding="utf-8")
+        with pytest.raises(ValueError, match=rf"own\.csv(?s:.*){named}"):
+            of_file(tmp_path / "own.csv")
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [("--cycle nedx", "no file nedx"), ("--cycle nedc --mass 1.3", "mass of the car is 1.3 kg"), ("--cycle nedc --drag-area nan", "drag_area")],
+)
+def test_what_no_car_drives_is_named(words: str, named: str, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert __main__.main([*words.split(), "--fmu", str(fmu), "--output", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert named in said and said.count("\n") == 1 and not list(tmp_path.iterdir())
 
 
 def test_engine_keeps_its_limits() -> None:
@@ -458,4 +491,25 @@ def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, dr
         assert pair.runs[0].columns["work.engine"][0] == 0.0
         # Positive: the engine drives in these seconds.
         assert pair.runs[0].columns["work.engine"][-1] > 1e3
+    reports.look_at(drive_folder / "report.html")
+
+
+def test_an_fmu_of_maps_drives_a_cycle_of_one_s_own(
+    map_fmu: Path, fmu: Path, table: ThrustMap, drive_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without a belt to look at; its loss is the FMU's total. A heavier car needs more work."""
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    (drive_folder / "own.csv").write_text(OWN, encoding="utf-8")
+    words = ["--fmu", str(map_fmu), "--output", str(drive_folder), "--cycle", str(drive_folder / "own.csv"), "--mass"]
+    work = []
+    for mass in ("1300", "1800"):
+        assert __main__.main([*words, mass]) == 0
+        (pair,) = compared(*[drive_folder / "slip-control.csv"] * 2)
+        run = pair.runs[0].columns
+        assert run["loss.other"] + run["loss.shafts"] + run["loss.seals"] == pytest.approx(run["loss.total"], abs=1e-3)
+        assert all(np.isfinite(column).all() for column in run.values()) and "ring.stressMax" not in run
+        work.append(run["work.engine"].max())
+    assert 1.25 < work[1] / work[0] < 1.45
+    page = reports.stands_alone(drive_folder / "report.html")
+    assert "PushbeltMap.fmu" in page and 'id="belt"' not in page and 'id="closeup"' not in page
     reports.look_at(drive_folder / "report.html")

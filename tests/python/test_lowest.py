@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import reports
 from conftest import ROOT, pip_of
 
 PACKAGE = ROOT / "python" / "pushbelt"
@@ -27,6 +28,7 @@ with pushbelt.Variator("bench168", {"ring.model": "ALE0"}, record=pushbelt.Recor
     assert variator.thrust_map([1.0], [20.0, 900.0], force=9e3)["reason"].item(1)
     variator.linear_grid([1.0], [40.0]).save(sys.argv[1])
     assert len(pushbelt.load_linear(sys.argv[1]).to_dataframe()) == 1
+pushbelt.MapVariator().start(1.0, 200.0)
 print(sys.version_info[:2], numpy.__version__, pandas.__version__)
 """
 
@@ -44,7 +46,7 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("lowest")
     subprocess.run([lowest_python(), "-m", "venv", "--without-pip", folder], check=True)
     found = folder / ("Scripts" if os.name == "nt" else "bin") / "python"
-    packages = [*(f"{name}=={version}" for name, version in BOUND.items()), "lxml", "platformdirs", "xarray", "vermin==1.9.2"]
+    packages = [*(f"{name}=={version}" for name, version in BOUND.items()), "vermin==1.9.2"]
     subprocess.run([*pip_of(found), "install", "--no-compile", "--only-binary=:all:", *packages], check=True, capture_output=True, text=True)
     return found
 
@@ -56,6 +58,16 @@ def test_the_interface_runs_on_the_lowest_versions(python: Path, fmu: Path, tmp_
     assert done.returncode == 0, done.stderr
     for name in ("numpy", "pandas"):
         assert re.search(rf"(?<![\d.]){re.escape(BOUND[name])}(\.0)*(?![\d.])", done.stdout), done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", ["demo --short", "linearize initial.ratio=1 ring.model=ALE0", "sweep --short --ring ALE0"], ids=lambda words: words.split()[0])
+def test_programs_run_on_the_lowest_versions(words: str, python: Path, fmu: Path, tmp_path: Path) -> None:
+    """`.ci/full` runs all of them."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python"), "PUSHBELT_FMU": str(fmu), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run([python, "-m", "pushbelt", *words.split(), "--output", tmp_path], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0 and "Traceback" not in done.stderr, done.stderr
+    reports.look_at(tmp_path / "report.html")
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -230,3 +231,13 @@ def test_the_command_solves_for_the_maps(
         assert json.loads(archive.read(map_unit.TABLES_FILE))["parameters"][distance] == parameter_set("belt155")[distance]
     assert cli.main(["map-fmu", str(copy), "--short", "--fmu", str(map_fmu)]) == 1
     assert "--variator" in capsys.readouterr().err
+
+
+def test_an_fmu_that_is_missing_is_named_before_anything_is_solved(
+    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PUSHBELT_MAP_FMU", str(tmp_path / "none.fmu"))
+    monkeypatch.setattr("pushbelt.cli.commands._solved_maps", None)
+    for words, why in (([], "there is no FMU at .*none.fmu"), (["--fmu", str(fmu)], "no FMU of maps")):
+        assert cli.main(["map-fmu", str(tmp_path / "copy.fmu"), "--variator", "belt155", *words]) == 1
+        assert re.fullmatch(f"pushbelt map-fmu: .*{why}.*\n", capsys.readouterr().err) and not list(tmp_path.iterdir())

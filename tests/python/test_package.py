@@ -31,8 +31,10 @@ BROAD = {f"pushbelt.{name}" for name in ("fmu.unit", "fmu.untrusted", "study.tas
 def part_of(module: str) -> str:
     """Part of a module: a package, or `shared` for the modules at the top."""
     names = module.split(".")
-    if module == "pushbelt.whole_file":
+    if module in ("pushbelt.arguments", "pushbelt.whole_file"):
         return "errors"
+    if module == "pushbelt.__main__":
+        return "cli"
     return names[1] if len(names) > 1 and names[1] in MAY_IMPORT else "shared"
 
 
@@ -55,7 +57,7 @@ def imported(module: str) -> set[str]:
 
 LOW = {"errors", "fmu", "shared", "linear", "study", "maps", "tables"}
 MAY_IMPORT = {
-    "errors": set(), "fmu": {"errors", "fmu"}, "shared": LOW, "linear": LOW, "study": LOW,
+    "errors": {"errors"}, "fmu": {"errors", "fmu"}, "shared": LOW, "linear": LOW, "study": LOW,
     "maps": {*LOW, "cli"}, "tables": LOW, "cli": {*LOW, "cli"},
 } | {program: {*LOW, "cli", program} for program in PROGRAMS}  # fmt: skip
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import importlib.metadata
+import sys
 from pathlib import Path
 
 import pytest
 from conftest import WORDS
+from test_console import TABLE
 
+import pushbelt
 from pushbelt import cli
+from pushbelt.maps.data import Maps
 
 BASE = {
     "belt": "--width 30 --layers 12 --element-thickness 1.5 --length 0.70 --center-distance 0.17",
@@ -31,12 +36,12 @@ REFUSED = {
         ("initial.ratio", "initial.ratio"), ("initial.ratio=one", "initial.ratio = 'one'"), ("initial.ratio=nan", "ratio = nan"),
         ("initial.ratio=1 initial.ratio=2", "initial.ratio appears twice"), ("initial.ratio=1:2:0", "initial.ratio = '1:2:0'"),
         ("secondary.torque=-1,-2", "secondary.torque"), ("ring.model=ALE0,ALE9", "ring.model = 'ALE9'"), ("initial.ratoi=1", "initial.ratio"),
-        ("initial.primarySpeed=0", "0 rad/s"), ("--frequency 0", "out of range"), ("--safety 0.1", "--safety 0.1"),
+        ("initial.primarySpeed=0", "0 rad/s"), ("--frequency 0", "frequency = 0 Hz"), ("--safety 0.1", "--safety 0.1"),
         ("--safety 1.3 secondary.clampingForce=9000", "secondary.clampingForce"), (f"--outputs sleep {' '.join(WORDS)}", "sleep"),
         # An earlier version returned a model at a slip of 0.81 here, with the default ring and mesh.
         ("initial.ratio=1 primary.torque=400", "no steady state at ratio 1, 400 N·m, 209.44 rad/s and 10000 N"),
         (f"initial.ratio=1 primary.torque=60 primary.clampingForce=20000 {' '.join(WORDS)}", " N, but 20000 N is specified"),
-        ("--variator bench169", "bench169"), (f"--sample-time 0 {' '.join(WORDS)}", "sample_time = 0.0 s"),
+        ("--variator bench169", "bench169"), (f"--sample-time 0 {' '.join(WORDS)}", "sample_time = 0 s"),
     ],
     "maps": [("--speed 0", "speed must be positive"), ("--set belt.colour=1", "belt.colour"), ("--ratios 1", "two ratios")],
     "sweep": [
@@ -58,3 +63,66 @@ def test_what_is_refused_is_named(
     said = capsys.readouterr().err
     assert named in said and said.count("\n") <= 2 and "Traceback" not in said
     assert not list(output.rglob("*.*"))
+
+
+@pytest.mark.parametrize("kind", ["map_fmu", "fmu3"])
+@pytest.mark.parametrize(
+    "words",
+    ["belt " + BASE["belt"], "calibrate t.csv", "calibrate t.csv --hold-out belt155", "demo", "durability t.csv", "linearize", "maps", "sweep"],
+)
+def test_an_fmu_that_does_not_run_the_belt_is_named(
+    words: str, kind: str, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In one line, before anything is solved."""
+    monkeypatch.chdir(tmp_path)
+    Path("t.csv").write_text(TABLE, encoding="utf-8")
+    fmu = request.getfixturevalue(kind)
+    assert cli.main([*words.split(), "--fmu", str(fmu)]) == 1
+    said = capsys.readouterr().err
+    assert ("FMI 2.0 is needed" if kind == "fmu3" else "ring.model") in said and said.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["t.csv"]
+
+
+DECLARED = ["numpy>=2", 'plotly>=6; extra == "reports"', *(f'pushbelt[reports]; extra == "{name}"' for name in ("tables", "durability", "sweep"))]
+
+
+@pytest.mark.parametrize("there", ["5.24.1", None])
+@pytest.mark.parametrize(
+    ("words", "extra"),
+    [
+        ("calibrate t.csv", "tables"), ("calibrate t.csv --hold-out belt155", "tables"), ("compare u.csv v.csv", "reports"), ("demo", "reports"),
+        ("drive --cycle nedc", "reports"), ("durability t.csv", "durability"), ("linearize", "reports"), ("maps", "sweep"), ("sweep", "sweep"),
+    ],
+)  # fmt: skip
+def test_a_package_of_an_extra_that_is_missing_or_old_is_named_before_anything_runs(
+    words: str, extra: str, there: str | None, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def version(name: str) -> str:
+        if there is None:
+            raise importlib.metadata.PackageNotFoundError(name)
+        return there
+
+    monkeypatch.setattr(importlib.metadata, "requires", lambda _: DECLARED)
+    monkeypatch.setattr(importlib.metadata, "version", version)
+    monkeypatch.chdir(tmp_path)
+    Path("t.csv").write_text(TABLE, encoding="utf-8")
+    for name in ("u", "v"):
+        Path(f"{name}.csv").write_text(f"time [s],slip [1]\n0,0\n1,{ord(name)}\n", encoding="utf-8")
+    assert cli.main([*words.split(), "--fmu", str(fmu)]) == 1
+    what = "plotly 5.24.1 is older than 6" if there else "the package plotly is missing"
+    assert capsys.readouterr().err == f"pushbelt {words.split()[0]}: {what}: pip install 'pushbelt[{extra}]'\n"
+    assert {path.name for path in tmp_path.iterdir()} == {"t.csv", "u.csv", "v.csv"}
+
+
+def test_what_the_library_lacks_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, coarse: pushbelt.Variator) -> None:
+    (tmp_path / "maps.nc").touch()
+    grid = coarse.linear_grid([1.0], [40.0])
+    monkeypatch.delitem(sys.modules, "pushbelt.maps.variator", raising=False)
+    for name in ("io", "interpolate"):
+        monkeypatch.setitem(sys.modules, f"scipy.{name}", None)
+    for extra, use in (
+        ("maps", lambda: pushbelt.MapVariator), ("maps", lambda: Maps.read(tmp_path / "maps.nc")),
+        ("control", lambda: grid.save(tmp_path / "models.mat")),
+    ):  # fmt: skip
+        with pytest.raises(pushbelt.MissingPackageError, match=rf"pip install 'pushbelt\[{extra}\]'"):
+            use()

@@ -8,9 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pypdfium2
 import pytest
 import reports
 from conftest import ROOT
+from PIL import Image
 from playwright.sync_api import Browser, Page
 from test_charts import BENCH, EVERYTHING
 
@@ -69,11 +71,13 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ]
     linked = charts.html(Chart(panels, "Two panels", linked=True, group="one"))
     every = charts.html(Chart([replace(EVERYTHING, equal=False, x_ticks=(), marks=[Mark(1.5, "1")]), *NARROW], "Every kind of figure"))
+    ends = [Panel(f"Shared {k}", [Series("kept", X, X), Series("other", X, -X)], x_ticks=((0.0, "left"), (1800.0, f"right {k}"))) for k in (1, 2)]
+    shared = charts.html(Chart(ends, "Shared keys", columns=2, common_legend=True))
     facts = '<div class="facts"><div><b>12</b><span>points</span></div></div>'
     folder = tmp_path_factory.mktemp("page")
     (folder / "page.html.j2").write_text("{% extends 'base.html.j2' %}{% block main %}{{ content | safe }}{% endblock %}", encoding="utf-8")
     path = folder / "report.html"
-    write_html("page.html.j2", {"content": f"{belt()}{linked}{facts}{TABLE}{UNSORTED}{every}"}, path, folder)
+    write_html("page.html.j2", {"content": f"{belt()}{linked}{facts}{TABLE}{UNSORTED}{every}{shared}"}, path, folder)
     return path
 
 
@@ -97,6 +101,33 @@ def test_the_page_is_legible(report: Path, chromium: Browser, width: int) -> Non
         reports.show(page, report, width)
         assert (reports.faults(page, "legends", "labels", "tight"), complaints) == ([], [])
         assert page.evaluate("document.documentElement.scrollWidth") <= width, "the page scrolls sideways"
+
+
+SIZES = "[...document.querySelectorAll('.plot .main-svg:first-child')].map((one) => one.getAttribute('width'))"
+
+
+@pytest.mark.parametrize("drawn", [True, False], ids=["shown before", "not shown"])
+def test_a_printed_page_has_its_figures_and_keys_whole(report: Path, chromium: Browser, tmp_path: Path, drawn: bool) -> None:
+    """Before it is printed, as the browser lays it out, and as PDF on A4; afterwards the screen is as before."""
+    with reports.page(chromium) as (page, complaints):
+        page.set_viewport_size({"width": 1280, "height": 900})
+        page.goto(report.resolve().as_uri())
+        page.evaluate(f"pushbelt.ready.then(() => {'pushbelt.draw()' if drawn else 'true'})")
+        before = page.evaluate(SIZES)
+        page.pdf(path=tmp_path / "report.pdf", format="A4")
+        if drawn:
+            assert page.evaluate(SIZES) == before
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        page.emulate_media(media="print")
+        hidden = "[...document.querySelectorAll('.keys button')].filter((key) => !key.getClientRects().length).length"
+        assert (reports.faults(page, "missing", "labels"), page.evaluate(hidden), complaints) == ([], 0, [])
+    pages = list(pypdfium2.PdfDocument(tmp_path / "report.pdf"))
+    texts = [one.get_textpage() for one in pages]
+    whole = " ".join(text.get_text_bounded() for text in texts)
+    assert [word for word in ("kept", "other", "right 1", "right 2") if word not in whole] == []
+    # The margins of the page are 34 pt.
+    boxes = np.array([text.get_charbox(k) for text in texts for k in range(text.count_chars())])
+    assert boxes[:, 0].min() > 32.0 and boxes[:, 2].max() < pages[0].get_width() - 32.0
 
 
 def test_a_table_is_sorted_by_value(opened: Page) -> None:
@@ -192,3 +223,13 @@ def test_the_docs_picture_is_taken_from_a_report(report: Path, chromium: Browser
     pictures.take(report, picture, None, chromium)
     docs = (ROOT / "docs" / "report.png").read_bytes()
     assert docs[16:24] == picture.read_bytes()[16:24], "the picture in the docs has another size than that of this program"
+    assert pictures.stamped(picture) == pictures.shown("report.png")
+    with Image.open(picture) as image:
+        assert image.text == {"Shows": pictures.shown("report.png")}
+
+
+@pytest.mark.parametrize("name", sorted({"report.png", *(file for files in pictures.FIGURES.values() for file in files.values())}))
+def test_a_picture_of_the_docs_shows_the_stored_results(name: str) -> None:
+    of = pictures.STORED[name][0]
+    renewed = f"`cargo fmu {of}`, then `target/venv/bin/python fmu-build/python/pictures.py {of}`"
+    assert pictures.stamped(ROOT / "docs" / name) == pictures.shown(name), f"docs/{name} is older than what it shows: renew it by {renewed}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import random
 import re
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -143,6 +144,8 @@ HEADS = {
     "Klemmkraft Sekundärscheibe in kN;Klemmkraft Primärscheibe in kN",
     "words": "i_geo;primary pulley speed [rpm];Drehzahl der Sekundärscheibe [rpm];T_P [Nm];T_S [Nm];Sekundär-Anpresskraft [kN];"
     "driving pulley clamping force [kN]",
+    "French": "rapport géométrique;vitesse d'entrée [tr/min];régime secondaire [tr/min];couple d'entrée [N.m];couple de sortie [N.m];"
+    "effort de serrage secondaire [kN];effort axial poulie primaire [kN]",
     "without pulleys": "i_geo;Drehzahl [1/min];Drehzahl Abtrieb [1/min];Drehmoment [Nm];Drehmoment Abtrieb [Nm];Anpresskraft [kN];Kraft Antrieb [kN]",
 }
 DESCRIPTIONS = ["ratio", "speed", "speed", "torque", "torque", "force", "force"]
@@ -156,9 +159,14 @@ HEADERS = {
     "units above": [UNITS, COLUMNS],
     "letters of which three are units, units": [COLUMNS, ["calc", *"PSPSSP"], UNITS],
     "units of three columns, words": [[*COLUMNS[:4], *TITLES[4:]], ["", *UNITS[1:4], *["HBM"] * 3]],
+    "titles that span two rows": [["i_geo", *["Primary", "", "Secondary", ""], "F_S", "F_P"], ["", "n", "T", "n", "T", "", ""],
+                                  ["-", "rpm", "Nm", "rpm", "Nm", "kN", "kN"]],
     "titles over two rows": [PULLEYS, DESCRIPTIONS, UNITS],
 }
-HABITS |= {f"header: {name}": joined([[*map(str, row)] for row in [*head, *ROWS]], ";") for name, head in HEADERS.items()}
+SPANNED = [[row[k] for k in (0, 1, 3, 2, 4, 5, 6)] for row in ROWS]
+BELOW = {name: SPANNED if "span" in name else ROWS for name in HEADERS}
+HABITS |= {f"header: {name}": joined([[*map(str, row)] for row in [*head, *BELOW[name]]], ";") for name, head in HEADERS.items()}
+HABITS["header: every title over two lines"] = joined([[f'"{t.replace(" ", chr(10))}"' for t in TITLES], *rows_of()])
 
 
 @pytest.mark.parametrize("habit", HABITS)
@@ -176,7 +184,8 @@ def test_habits_of_rigs_and_spreadsheets(habit: str, tmp_path: Path) -> None:
         ("KN", "force", 1e3), ("[kN]", "force", 1e3), ("(kN)", "force", 1e3), ("Prozent", "ratio", 0.01), ("pct", "ratio", 0.01),
         ("lbf ft", "torque", 1.3558179483314), ("lbf", "force", POUND), ("klbf", "force", 1e3 * POUND),
         ("N", "force", 1.0), ("bar", "pressure", 1e5), ("MPa", "pressure", 1e6), ("N/mm²", "pressure", 1e6), ("psi", "pressure", 6894.757293168),
-        ("bara", "pressure", 1e5 - 101325.0), ("cm²", "area", 1e-4), ("l/min", "flow", 1.0 / 6e4),
+        ("bara", "pressure", 1e5 - 101325.0), ("kg/cm²", "pressure", 98066.5), ("N・m", "torque", 1.0),
+        ("cm²", "area", 1e-4), ("l/min", "flow", 1.0 / 6e4),
         ("mPA", "pressure", None), ("1/s", "speed", None), ("kNm", "force", None), ("", "force", None),
     ],
 )  # fmt: skip
@@ -217,6 +226,34 @@ def test_a_title_close_to_a_known_name_is_a_fault_and_others_are_named_and_ignor
         rig = points.read(file(tmp_path, long_with(title, "x")))
         is_right(rig)
         assert rig.sheet.ignored == [title]
+
+
+@pytest.mark.parametrize(
+    "title", ["F_P指令値 [kN]", "F_P зад [kN]", "F_P* [kN]", "F_P' [kN]", "ΔF_P [kN]", "Messung/F_P [kN]", "AVG_F_P [kN]", "F_P_act [kN]",
+              "F_P (Mean)", "F_P\\ETKC:1"]
+)  # fmt: skip
+def test_a_title_is_known_whole_and_the_option_that_takes_it_is_printed(title: str, tmp_path: Path) -> None:
+    """A command, a difference or a mean is not the measured force. The options are taken as they are."""
+
+    def options(text: str) -> dict[str, str]:
+        return dict(found.split("=") for found in re.findall('--map "([^"]*)"', text))
+
+    path = file(tmp_path, joined([[*TITLES[:6], title], ["-", *UNITS[1:]], *rows_of()], ";"))
+    rig = points.read(path)
+    assert rig.sheet.ignored == [title] and [m.quantity for m in rig.points[0].measured] == ["slip", "efficiency"]
+    is_right(points.read(path, Reading(renamed=options(" ".join(rig.sheet.remarks)))))
+    # Required ones are in the error, also below other rows.
+    path = file(tmp_path, joined([["rig 3"], [title.replace("F_P", name) for name in COLUMNS], ["-", *UNITS[1:]], *rows_of()], ";"))
+    with pytest.raises(TableError, match="no column ratio.geometric or ratio.speed, primary.speed, primary.torque") as error:
+        points.read(path)
+    if "[kN]" not in title:
+        is_right(points.read(path, Reading(renamed=options(str(error.value)))))
+
+
+def test_a_single_letter_in_a_foreign_title_is_no_name(tmp_path: Path) -> None:
+    rows = [[row[0], str(k), *row[1:]] for k, row in enumerate(rows_of())]
+    rig = points.read(file(tmp_path, joined([["総変速比i", "油温T", *TITLES[1:]], *rows], ";")))
+    assert rig.sheet.ignored == ["総変速比i", "油温T"] and len(rig.points) == 12 and rig.points[0].ratio is None
 
 
 def test_names_by_the_user(tmp_path: Path) -> None:
@@ -311,6 +348,66 @@ def test_bad_tables_give_one_clear_error(text: str | bytes, why: str, tmp_path: 
     with pytest.raises(TableError, match=why) as error:
         points.read(path)
     assert str(error.value).startswith(f"{path}: ") and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("title", ["Nr", "Messpunkt", "", "name"])
+def test_rows_of_means_and_extremes_are_no_points(title: str, tmp_path: Path) -> None:
+    words = ("Mittelwert", "Max.", "min", "Std-Abw." if title else "Mean")
+    rows = [[*(["max" if title == "name" and k == 3 else f"{k}"]), *row] for k, row in enumerate(ROWS)]
+    rig = points.read(written(tmp_path / "table.csv", [[title, *TITLES], *rows, *([word, *ROWS[0]] for word in words)], ";"))
+    is_right(rig)
+    assert [fault.line for fault in rig.sheet.left_out] == [14, 15, 16, 17]
+
+
+@pytest.mark.parametrize(("title", "good", "bad"), [("valid", "1", "0"), ("Gültig", "ja", "nein"), ("outlier", "", "x")])
+def test_rows_that_a_column_says_are_not_valid_are_left_out(title: str, good: str, bad: str, tmp_path: Path) -> None:
+    rows = [*([*row, good] for row in ROWS), [*ROWS[0], bad]]
+    rig = points.read(written(tmp_path / "table.csv", [[*TITLES, title], *rows], ";"))
+    is_right(rig)
+    assert [(fault.line, fault.column) for fault in rig.sheet.left_out] == [(14, title)] and not rig.sheet.ignored
+
+
+def test_a_unit_is_no_name_and_a_deviation_has_the_unit_of_its_column(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    for rows in ([[*MEASURED[:5], "slip [rpm]"]], [[*MEASURED[:5], "slip"], ["-", "rpm", "Nm", "kN", "kN", "rpm"]]):
+        with pytest.raises(TableError, match="the unit of slip is 1 or %, not rpm"):
+            points.read(written(path, [*rows, *(row[:6] for row in LONG)], ";"))
+    for titles in (["slip.sd", *MEASURED], ["slip.sd", *MEASURED[:5], "slip", "efficiency"]):
+        rig = points.read(written(path, [titles, *(["0.08", *row] for row in LONG)], ";"))
+        assert all(point.measured[1].deviation == pytest.approx(8e-4) for point in rig.points)
+    rows = [["a", "b", "c", "d"], ["-", "rpm", "rpm", "kN"], *(row[:4] for row in LONG)]
+    with pytest.raises(TableError, match="unknown are a, b, c, d"):
+        points.read(written(path, rows, ";"))
+
+
+ZIPPED = {"a.txt": "a zip archive", "mimetype": "an OpenDocument file", "xl/workbook.bin": "a binary workbook"}
+OTHERS = [
+    (b"\x89HDF\r\n\x1a\n\0\0", "HDF5"), (b"MATLAB 5.0 MAT-file, Platform" + bytes(100), "MATLAB"), (b"TDSm\x0e\0\0\0", "TDMS"),
+    (b'{"n_P": [1, 2]}', "JSON"), (b'\xef\xbb\xbf [\n {"n_P": 1}]', "JSON"), (b"<?xml ?><a/>", "XML"), (b"CDF\x01\0", "netCDF"),
+]
+
+
+@pytest.mark.parametrize(("content", "kind"), [*OTHERS, *ZIPPED.items()])
+def test_files_of_other_kinds_are_named(content: bytes | str, kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "table.dat"
+    if isinstance(content, bytes):
+        path.write_bytes(content)
+    else:
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr(content, "application/vnd.oasis.opendocument.spreadsheet")
+    with pytest.raises(TableError, match=f"this is .*{kind}.*, not a table: export it as CSV") as error:
+        points.read(path)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(("encoding", "title"), [("shift_jis", "軸力"), ("gbk", "夹紧力"), ("euc_kr", "추력"), ("cp1251", "Усилие")])
+def test_encodings_by_name(encoding: str, title: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = file(tmp_path, joined([[*TITLES[:6], f"{title} [kN]"], *rows_of()], ";"), encoding)
+    assert any("--encoding" in remark for remark in points.read(path).sheet.remarks)
+    assert __main__.main([str(path), "--check", "--encoding", encoding, "--map", f"{title} [kN]=F_P [kN]"]) == 0
+    assert "12 thrustRatio" in capsys.readouterr().out
+    with pytest.raises(TableError, match="unknown encoding"):
+        points.read(path, Reading(encoding="latin1o"))
 
 
 @pytest.mark.parametrize("absent", ["n_P", "F_S", "T_P"])
@@ -433,6 +530,31 @@ def test_spreadsheets_are_read(tmp_path: Path) -> None:
     assert [fault.line for fault in rig.sheet.left_out] == [16, 17] and "formula" in rig.sheet.left_out[1].text
     with pytest.raises(TableError, match="Data; .* Sheet, Points"):
         points.read(path, Reading(sheet="Data"))
+
+
+def test_of_sheets_with_the_same_columns_one_is_asked_for_and_what_is_hidden_is_named(tmp_path: Path) -> None:
+    openpyxl = pytest.importorskip("openpyxl")
+    book, path = openpyxl.Workbook(), tmp_path / "table.xlsx"
+    old, sheet = book.active, book.create_sheet("Data")
+    old.title = "Old"
+    for one, rows in ((old, ROWS[:3]), (sheet, [*ROWS, ROWS[0], ROWS[1]])):
+        one.append([title.replace(" ", "\n") for title in TITLES])
+        for row in rows:
+            one.append(row)
+    book.save(path)
+    with pytest.raises(TableError, match="Old, Data have the same columns: --sheet"):
+        points.read(path)
+    assert len(points.read(path, Reading(sheet="Old")).points) == 3
+    old.sheet_state = "hidden"
+    sheet.row_dimensions[14].hidden = True
+    for cell in sheet[15]:
+        cell.font = openpyxl.styles.Font(strike=True)
+    book.save(path)
+    rig = points.read(path)
+    is_right(rig)
+    said = "; ".join(rig.sheet.remarks)
+    assert "sheet Old is hidden and not read" in said and "hidden and not read: 14" in said and "struck out and not read: 15" in said
+    assert len(points.read(path, Reading(sheet="Old")).points) == 3
 
 
 def test_check_prints_what_is_understood_and_needs_no_fmu(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

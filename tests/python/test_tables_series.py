@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import datetime
 import gzip
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from rig_tables import COLUMNS, POINTS, ROWS, TITLES, UNITS, is_right, values, w
 from pushbelt.calibrate import __main__
 from pushbelt.tables import points
 from pushbelt.tables.points import Rig
-from pushbelt.tables.sheet import TableError
+from pushbelt.tables.sheet import Reading, TableError
 
 HEAD = ["t [s]", *TITLES]
 
@@ -83,6 +85,56 @@ TIMES = {
 @pytest.mark.parametrize("title", TIMES)
 def test_times_as_dates_and_clocks(title: str, tmp_path: Path) -> None:
     is_right(series(tmp_path, ([TIMES[title](row[0]), *shown(row[1:])] for row in recorded()), [title, *TITLES]), 5, rel=0.01)
+
+
+UNNAMED = ("t_rel", "Elapsed time", "X_Value", "Sekunden", "[s]", "master", "Messzeit [s]", "Prüfstandszeit", "K1 / s", "K1 [ms]", "Nr")
+
+
+@pytest.mark.parametrize("title", UNNAMED)
+def test_any_ascending_column_in_seconds_is_time_and_a_recording_needs_none(title: str, tmp_path: Path) -> None:
+    rows = [[f"{row[0] * (1e3 if 'ms' in title else 1.0):g}", *shown(row[1:])] for row in recorded(ramp=1.0)]
+    rig = series(tmp_path, rows, [title, *TITLES])
+    is_right(rig, 5, rel=0.01)
+    assert rig.sheet.ignored == ["Nr"] * (title == "Nr") and any("outside are not used" in remark for remark in rig.sheet.remarks)
+
+
+@pytest.mark.parametrize(("every", "timed"), [(20, True), (20, False), (40, True), (50, False)])
+def test_a_short_recording_is_no_table_of_points(every: int, timed: bool, tmp_path: Path) -> None:
+    """Down to four samples of each plateau."""
+    rows = list(map(shown, recorded()[::every]))
+    is_right(series(tmp_path, rows if timed else [row[1:] for row in rows], HEAD if timed else TITLES), 5, rel=0.02)
+
+
+def test_a_clock_that_goes_back_is_named_and_goes_on(tmp_path: Path) -> None:
+    data = recorded()
+    once, again = data.copy(), data.copy()
+    once[450, 0], again[:, 0] = 0.3, data[:, 0] % 6.0
+    for changed, line in ((once, 452), (again, 602)):
+        rig = series(tmp_path, map(shown, changed))
+        is_right(rig, 5, rel=0.01)
+        assert any(f"goes back at line {line}" in remark for remark in rig.sheet.remarks)
+    # Whole seconds do not time samples.
+    is_right(series(tmp_path, ([int(row[0]), *shown(row[1:])] for row in data)), 5, rel=0.01)
+
+
+def test_rows_of_a_step_are_averaged_and_different_points_are_not(tmp_path: Path) -> None:
+    rows = [[k // 4, *shown(row[1:])] for k, row in enumerate(recorded()[::50])]
+    is_right(series(tmp_path, rows, ["Stufe", *TITLES]), 5, rel=0.02)
+    assert len(series(tmp_path, ([k // 3, *row] for k, row in enumerate(ROWS)), ["step", *TITLES]).points) == 12
+    # 300 points in any order, also with their times.
+    many = np.tile(POINTS, (25, 1)) * np.repeat(np.linspace(0.9, 1.1, 25), 12)[:, None] ** [0, 1, 1, 1, 1, 1, 1]
+    shuffled = np.random.default_rng(300).permutation(many)
+    for points in (many, shuffled):
+        assert len(series(tmp_path, points.tolist(), TITLES).points) == 300
+        assert len(series(tmp_path, ([60 * k, *row] for k, row in enumerate(points)), HEAD).points) == 300
+
+
+def test_a_slow_ramp_without_times_is_refused_and_read_if_the_user_says_so(tmp_path: Path) -> None:
+    data = np.tile(POINTS[1], (150, 1))
+    data[:, 3] = np.linspace(20.0, 22.0, 150) + 0.1 * np.random.default_rng(1).standard_normal(150)
+    with pytest.raises(TableError, match="drift.*--as-written"):
+        series(tmp_path, data.tolist(), TITLES)
+    assert len(points.read(tmp_path / "series.csv", Reading(as_written=True)).points) == 150
 
 
 def test_a_date_beside_a_clock_and_no_times_at_all(tmp_path: Path) -> None:
@@ -159,3 +211,27 @@ def test_mf4_with_channels_at_their_own_times(tmp_path: Path) -> None:
     packed.write_bytes(packed.read_bytes()[:-12])
     with pytest.raises(TableError, match="gzip"):
         points.read(packed)
+
+
+def test_channels_of_one_name_are_told_apart_and_one_under_two_names_is_one(tmp_path: Path) -> None:
+    """As INCA writes them: each is listed with and without its device, and the speed is recorded by two devices."""
+    asammdf = pytest.importorskip("asammdf")
+    data, path = recorded(), tmp_path / "series.mf4"
+
+    def write(*more: Any) -> Path:
+        with asammdf.MDF() as file:
+            for k, (name, unit) in enumerate(zip(COLUMNS, UNITS, strict=True)):
+                listed = {f"{name}\\ETKC:1": "display"}
+                file.append(asammdf.Signal(data[:, k + 1], data[:, 0], name=name, unit=unit, display_names=listed))
+            for signal in more:
+                file.append(signal)
+            file.save(path, overwrite=True)
+        return path
+
+    is_right(points.read(write()), 5, rel=0.01)
+    write(asammdf.Signal(1.3 * data[:, 2], data[:, 0], name="n_P", unit="rpm"))
+    with pytest.raises(TableError, match="no column primary.speed") as error:
+        points.read(path)
+    first, second = (found.split("=") for found in re.findall('--map "([^"]*)"', str(error.value)))
+    assert second[0] == "n_P group 7 channel 1"
+    is_right(points.read(path, Reading(renamed=dict([first]))), 5, rel=0.01)

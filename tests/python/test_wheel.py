@@ -30,8 +30,8 @@ ON_DEMAND = {"pandas"}
 
 
 @pytest.fixture(scope="module")
-def wheel(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wheel with the FMU under test: the portable one takes minutes to build."""
+def wheel(fmu: Path, fmu3: Path, map_fmu: Path, map_fmu3: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel with the FMU under test, and those beside it: the portable one takes minutes to build."""
     folder = tmp_path_factory.mktemp("wheel")
     subprocess.run([cargo(), "fmu", "wheel", "--fmu", fmu, "--output", folder], cwd=ROOT, check=True, capture_output=True)
     (path,) = folder.glob("*.whl")
@@ -43,7 +43,8 @@ def test_the_wheel_holds_fmu_data_types_and_licences(wheel: Path, fmu: Path) -> 
     assert wheel.name == f"pushbelt-{version}-py3-none-any.whl"
     with zipfile.ZipFile(wheel) as archive:
         names = set(archive.namelist())
-        assert archive.read("pushbelt/data/PushbeltVariator.fmu") == fmu.read_bytes()
+        for path in (fmu, *(fmu.with_name(name) for name in ("PushbeltVariator3.fmu", "PushbeltMap.fmu", "PushbeltMap3.fmu"))):
+            assert archive.read(f"pushbelt/data/{path.name}") == path.read_bytes()
         assert "License-Expression: MIT OR Apache-2.0" in archive.read(f"pushbelt-{version}.dist-info/METADATA").decode()
         for path in (path for path in (ROOT / "resources").rglob("*") if path.is_file()):
             assert archive.read(f"pushbelt/data/{path.relative_to(ROOT).as_posix()}") == path.read_bytes()
@@ -159,6 +160,8 @@ print(pathlib.Path(pushbelt.__file__).parts[-2], variator.outputs["ratio.geometr
     assert float(last) > float(first) == pytest.approx(1.5, abs=1e-6)
     done = run(place, "pushbelt", "fmu", "own.fmu", "--variator", "belt155", "--set", "ring.model=ALE0")
     assert done.returncode == 0, done.stderr
+    done = run(place, "pushbelt", "map-fmu", "map.fmu", "--set", "initial.ratio=1.5")
+    assert done.returncode == 0, done.stderr
     with zipfile.ZipFile(place / "own.fmu") as archive:
         text = archive.read("modelDescription.xml").decode()
     assert re.search(r'name="geometry.centerDistance".*?<Real[^>]*start="0.155"', text, re.DOTALL)
@@ -167,7 +170,7 @@ print(pathlib.Path(pushbelt.__file__).parts[-2], variator.outputs["ratio.geometr
 def test_what_is_missing_is_named_and_then_the_demo_runs(place: Path, wheel: Path) -> None:
     done = run(place, "pushbelt", "demo", "--short")
     assert done.returncode == 1
-    assert re.fullmatch(r"pushbelt demo needs the package \w+: pip install 'pushbelt\[reports\]'\n", done.stderr)
+    assert re.fullmatch(r"pushbelt demo: the package \w+ is missing: pip install 'pushbelt\[reports\]'\n", done.stderr)
     pip(place, "install", f"{wheel}[reports]")
     for words in (["demo", "--short"], ["linearize", "initial.ratio=1,2", "ring.model=ALE0"]):
         done = run(place, "pushbelt", *words)

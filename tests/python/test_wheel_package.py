@@ -156,6 +156,28 @@ def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys:
     assert read_model_description(str(again)).guid not in guids
 
 
+@pytest.mark.parametrize(("command", "values"), [("fmu", ["ring.model=ALE0", "mesh.strand=7", "initial.ratio=1.3"]), ("map-fmu", ["initial.ratio=1.3"])])
+def test_a_copy_for_fmi_3_starts_like_that_for_fmi_2(
+    command: str, values: list[str], fmu: Path, fmu3: Path, map_fmu: Path, map_fmu3: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    for name, path in (("FMU", fmu), ("FMU3", fmu3), ("MAP_FMU", map_fmu), ("MAP_FMU3", map_fmu3)):
+        monkeypatch.setenv(f"PUSHBELT_{name}", str(path))
+    ends = []
+    for name, words in (("two.fmu", []), ("three.fmu", ["--fmi3"])):
+        copy = tmp_path / name
+        assert cli.main([command, str(copy), *words, *(f"--set={one}" for one in values)]) == 0
+        assert not validate_fmu(str(copy))
+        ends.append(simulate_fmu(str(copy), stop_time=0.01, output_interval=1e-3, output=["ratio.geometric", "secondary.speed"])[-1].tolist())
+    assert read_model_description(str(copy)).fmiVersion == "3.0"
+    assert ends[0] == pytest.approx(ends[1], rel=1e-9) and ends[0][1] == pytest.approx(1.3, rel=0.01)
+    other = {"fmu": map_fmu, "map-fmu": fmu3}[command]
+    for words, why in ((["--fmi3", "--fmu", str(fmu)], "of FMI 2.0"), (["--fmu", str(other), "--set", "belt.play=-1"], "belt.play|no FMU of maps")):
+        capsys.readouterr()
+        assert cli.main([command, str(tmp_path / "no.fmu"), *words]) == 1
+        assert re.fullmatch(f"pushbelt {command}: .*({why}).*\n", capsys.readouterr().err) and not (tmp_path / "no.fmu").exists()
+
+
 @pytest.mark.parametrize(
     ("words", "why"),
     [

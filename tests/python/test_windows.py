@@ -1,5 +1,5 @@
 """The libraries of the portable FMU: requirements and content, then the win64 ones in wine: every call, and stored states from and to Linux,
-with AVX2 and without.
+with AVX2 and without; each belt through the manoeuvre.
 
 `cargo fmu test --windows` runs it. The program that loads the libraries is `tests/windows/host.c`, compiled by zig for both systems.
 """
@@ -18,6 +18,10 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
+from pushbelt.demo.simulate import START_VALUES, STEP
+from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
+from pushbelt.fmu.enumerations import BeltKind, RingModel
+
 SOURCE = ROOT / "tests" / "windows" / "host.c"
 GLIBC = (2, 17)
 """Oldest C library that the Linux libraries load with."""
@@ -35,8 +39,11 @@ BUILDS = {
 """Libraries, and whether they may open their variant for AVX2. Each differs in system or in the width of its packs from the one before, and the
 first one from the last."""
 NAMES = tuple(BUILDS)
-Host = Callable[[str, "Path | None", str], tuple[np.ndarray, Path]]
-"""Runs the program: build, stored state to start from, name → readings at both stops, and the state stored at the first."""
+Host = Callable[..., np.ndarray]
+"""Runs the program: build, name of the readings' file, files between references and readings → a row of readings a stop."""
+BELTS = {
+    "ALE": {"ring.model": RingModel.ALE}, "ALE0": {"ring.model": RingModel.ALE0}, "pull chain": {"belt.kind": BeltKind.PULL_CHAIN},
+}  # fmt: skip
 
 
 def wine() -> str | None:
@@ -60,7 +67,7 @@ def test_a_library_has_the_listed_functions_and_needs_no_more_than_its_system(pl
     path = place / f"{name}{'.dll' if windows else '.so'}"
     library, said = path.read_bytes(), subprocess.run(["objdump", "-p", path], capture_output=True, text=True, check=True).stdout
     functions = [line.strip() for line in (ROOT / "fmu-build" / "exports.def").read_text(encoding="utf-8").splitlines() if line.startswith("    ")]
-    assert len(functions) == 112 and all(b"\0" + function.encode() + b"\0" in library for function in functions)
+    assert len(functions) == 122 and all(b"\0" + function.encode() + b"\0" in library for function in functions)
     needed = [one.lower() for one in re.findall(r"DLL Name: (\S+)" if windows else r"GLIBC_([\d.]+)", said)]
     assert needed, "it does need some"
     if windows:
@@ -98,25 +105,24 @@ def host(place: Path, description) -> Host:
     # Neither .NET nor a browser is installed into the fresh folder.
     wine_only = {"WINEPREFIX": str(place / "wine"), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree=;mshtml="}
 
-    def run(build: str, state: Path | None, name: str) -> tuple[np.ndarray, Path]:
+    def run(build: str, name: str, *files: Path | str) -> np.ndarray:
         library, avx2 = place / BUILDS[build][0], BUILDS[build][1]
-        stored, readings = place / f"{name}.state", place / f"{name}.txt"
-        windows = library.suffix == ".dll"
+        windows, readings = library.suffix == ".dll", place / f"{name}.txt"
         program = [wine(), place / "host.exe"] if windows else [place / "host"]
-        paths = [str(path) if path else "-" for path in (references, state, stored, readings)]
         known = {**os.environ, **wine_only, "PUSHBELT_AVX2": "1" if avx2 else "0"}
-        done = subprocess.run([*program, library, description.guid, *paths], env=known, capture_output=True, text=True, timeout=600)
+        words = [*program, library, description.guid, references, *files, readings]
+        done = subprocess.run(words, env=known, capture_output=True, text=True, timeout=600)
         assert done.returncode == 0, done.stderr
         assert re.search(r"^\d+ calls passed$", done.stdout, re.MULTILINE), done.stdout
-        return np.frombuffer(bytes.fromhex(readings.read_text()), ">f8").reshape(2, len(real)), stored
+        return np.frombuffer(bytes.fromhex(readings.read_text()), ">f8").reshape(-1, len(real))
 
     return run
 
 
 @pytest.fixture(scope="module")
-def first(host: Host) -> dict[str, tuple[np.ndarray, Path]]:
+def first(host: Host, place: Path) -> dict[str, tuple[np.ndarray, Path]]:
     """The run of each library, and its stored state."""
-    return {build: host(build, None, build) for build in BUILDS}
+    return {build: (host(build, build, "-", place / f"{build}.state"), place / f"{build}.state") for build in BUILDS}
 
 
 @pytest.fixture(scope="module")
@@ -157,10 +163,44 @@ def test_the_variant_for_avx2_runs_where_it_may(first, system: str) -> None:
 
 
 @pytest.mark.parametrize(("writer", "reader"), [(NAMES[other], one) for k, one in enumerate(NAMES) for other in (k, k - 1)])
-def test_each_build_continues_from_its_own_state_and_from_that_of_another(host: Host, first, sizes: np.ndarray, writer: str, reader: str) -> None:
-    found, again = host(reader, first[writer][1], f"{reader} after {writer}")
+def test_each_build_continues_from_its_own_state_and_from_that_of_another(
+    host: Host, place: Path, first, sizes: np.ndarray, writer: str, reader: str
+) -> None:
+    again = place / "again.state"
+    found = host(reader, f"{reader} after {writer}", first[writer][1], again)
     expected = first[reader][0]
     assert np.max(np.abs(found - expected) / sizes) < (ROUNDING if lanes(reader) == lanes(writer) else OTHER_LANES)
     if reader == writer:
         assert np.array_equal(found, expected), "in the same build bit for bit"
         assert again.read_bytes() == first[writer][1].read_bytes()
+
+
+@pytest.fixture(scope="module", params=BELTS)
+def manoeuvres(request: pytest.FixtureRequest, host: Host, place: Path, description) -> dict[str, np.ndarray]:
+    """Readings every 0.1 s of the demo's manoeuvre with a belt, by each library."""
+    variables, inputs = {one.name: one for one in description.modelVariables}, manoeuvre_inputs()
+
+    def lines(values) -> list[str]:
+        kinds = {"Real": "real", "Enumeration": "integer", "Integer": "integer"}
+        return [f"{kinds[variables[name].type]} {variables[name].valueReference} {value:.17g}" for name, value in values.items()]
+
+    calls = [*lines({**parameter_set("bench168"), **START_VALUES, **BELTS[request.param], **inputs.at(0.0)}), "start"]
+    for step in range(round(inputs.time[-1] / STEP)):
+        calls += [*lines(inputs.at(step * STEP)), f"step {step * STEP:.17g} {STEP}"]
+        calls += ["read"] * (step % 100 == 99)
+    run = place / "manoeuvre.run"
+    run.write_text("\n".join(calls))
+    return {build: host(build, "manoeuvre", run) for build in BUILDS}
+
+
+def test_each_build_runs_each_belt_through_the_manoeuvre(manoeuvres, description) -> None:
+    """From standstill, with macro-slip in it, where rounding grows: what a drivetrain reads agrees to a share of its range."""
+    names = [variable.name for variable in readings_of(description)]
+    expected = manoeuvres["this machine"]
+    for name in ("primary.speed", "secondary.speed", "ratio.geometric", "thrustRatio", "slip", "loss.total"):
+        at = names.index(name)
+        range_ = np.ptp(expected[:, at])
+        assert len(expected) == 100 and range_ > 0.0
+        for build, found in manoeuvres.items():
+            print(name, build, np.max(np.abs(found[:, at] - expected[:, at])) / range_)
+            assert np.max(np.abs(found[:, at] - expected[:, at])) < 1e-3 * range_, (name, build)

@@ -15,7 +15,7 @@ pub enum Call {
     EnterStep,
     Terminate,
     Reset,
-    /// By how much a step begins late, its size, and the master's action in its intermediate updates.
+    /// By how much a step begins late, its size, and the importer's action in its intermediate updates.
     Step(f64, f64, Answer),
     /// Sets one of [`REALS`] to a share of its range.
     SetReal(usize, f64),
@@ -35,7 +35,7 @@ pub enum Call {
     Linearize(f64),
 }
 
-/// Action of the master in intermediate update mode.
+/// Action of the importer in intermediate update mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
     Nothing,

@@ -1,4 +1,4 @@
-//! Call sequences in random order with random and bad arguments on a belt, in FMI 2.0 and in FMI 3.0 with a master that handles events, early
+//! Call sequences in random order with random and bad arguments on a belt, in FMI 2.0 and in FMI 3.0 with an importer that handles events, early
 //! returns and intermediate updates, or some of them.
 //!
 //! The long run: `PUSHBELT_SEQUENCES=100000 PUSHBELT_DEFAULT_SEQUENCES=1000 cargo test --test sequences`. A short run
@@ -10,7 +10,7 @@ mod calls;
 #[allow(dead_code, reason = "it has more than these tests use")]
 #[path = "../../crates/fmi/tests/fmi/importer.rs"]
 mod importer;
-mod master;
+mod random_importer;
 #[allow(dead_code, reason = "it has more than these tests use")]
 #[path = "../fmi/variator.rs"]
 mod variator;
@@ -25,7 +25,7 @@ use pushbelt::fmi as layer;
 use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt_support::shared_library::count;
 
-use master::{Master, Seen};
+use random_importer::{RandomImporter, Seen};
 
 /// Sequences of up to `length` calls.
 fn check(version: Version, cases: u32, length: usize, coarse: bool) {
@@ -40,8 +40,8 @@ fn check(version: Version, cases: u32, length: usize, coarse: bool) {
     let seed = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let sequences = (any::<[bool; 3]>(), vec(calls::calls(), 1..length));
     let outcome = TestRunner::new_with_rng(config, seed).run(&sequences, |(modes, calls)| {
-        let mut master = Master::new(version, &seen, coarse, modes);
-        calls.iter().for_each(|call| master.make(call));
+        let mut random = RandomImporter::new(version, &seen, coarse, modes);
+        calls.iter().for_each(|call| random.make(call));
         Ok(())
     });
     outcome.unwrap_or_else(|failure| panic!("{failure}"));

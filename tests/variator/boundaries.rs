@@ -1,9 +1,9 @@
-//! Runs continue under every kind of load and motion that a master may connect to shafts and sheaves.
+//! Runs continue under every kind of load and motion that an importer may connect to shafts and sheaves.
 
 use pushbelt::variator::settings::RingModel::{self, Ale, Ale0};
-use pushbelt::variator::settings::{Axial, BeltKind, Drive, Inputs, Outputs, Parameters, StartState};
+use pushbelt::variator::settings::{Axial, BeltKind, Drive, Inputs, Mode, Outputs, Parameters, StartState};
 use pushbelt_support::checks::{assert_close, assert_mirrored};
-use pushbelt_support::run::Run;
+use pushbelt_support::run::{Run, tried};
 use pushbelt_support::variators::{MODELS, SPEED, belt_alone, chain, coarse, inputs, variator};
 
 /// At a standstill, at a ratio, with a flywheel on the secondary shaft.
@@ -450,6 +450,110 @@ fn a_run_reports_its_start_state() {
             (parameters.initial.primary_speed, parameters.initial.steady) = (speed, steady);
             let mut run = Run::new(parameters, inputs((50.0, force), (-49.0, force)));
             assert_eq!(run.outputs().start_state, expected, "{model:?}, {force} N");
+        }
+    }
+}
+
+/// A start: its kind, how it differs from the coarse variator, its inputs.
+type Start = (StartState, fn(&mut Parameters), Inputs);
+
+/// Each kind of start.
+fn starts() -> [Start; 7] {
+    let (usual, none) = (inputs((50.0, 12e3), (-49.0, 9e3)), inputs((50.0, 0.0), (-49.0, 0.0)));
+    let still: fn(&mut Parameters) = |p| p.initial.primary_speed = 0.0;
+    [
+        (StartState::Unloaded, |p| p.initial.steady = false, usual),
+        (StartState::Unloaded, still, none),
+        (StartState::Steady, |_| {}, usual),
+        (StartState::ReducedTorque, |_| {}, inputs((400.0, 12e3), (-400.0, 9e3))),
+        (
+            StartState::NoEquilibrium,
+            |p| (p.initial.equilibrium, p.secondary.drive) = (true, Drive::Speed),
+            inputs((100.0, 5e3), (0.0, 10e3)),
+        ),
+        (StartState::NotFound, |_| {}, none),
+        (StartState::Clamped, still, inputs((0.0, 13e3), (0.0, 10e3))),
+    ]
+}
+
+/// Also in real time: a coupled circuit reads no flow before the first step. The belt of a clamped start keeps its forces.
+#[test]
+fn sheaves_are_at_rest_at_the_start() {
+    for model in MODELS {
+        for mode in [Mode::Accurate, Mode::RealTime] {
+            for (kind, change, given) in starts() {
+                let mut parameters = coarse(model);
+                change(&mut parameters);
+                (parameters.solver.mode, parameters.primary.cylinder.area) = (mode, 0.01);
+                parameters.secondary.cylinder.area = 0.01;
+                let mut run = Run::new(parameters, given);
+                let o = run.outputs();
+                let moves = [&o.primary, &o.secondary].map(|of| [of.sheave_velocity, of.flow]);
+                assert_eq!((o.start_state, moves), (kind, [[0.0; 2]; 2]), "{model:?} {mode:?}");
+                if kind == StartState::Clamped {
+                    assert_close(o.primary.axial_force, 13e3, 0.02, "primary force");
+                    let after = run.go(1e-3, 1e-3);
+                    assert_close(after.ring_tension_max, o.ring_tension_max, 1e-3, "tension");
+                    assert!(after.secondary.sheave_velocity != 0.0);
+                }
+            }
+        }
+    }
+}
+
+/// One warning where the start is another one than was asked for; with `initial.strict` it is an error.
+#[test]
+fn another_start_is_one_warning_or_an_error() {
+    for model in MODELS {
+        for (kind, change, given) in starts() {
+            let mut parameters = coarse(model);
+            change(&mut parameters);
+            let is_other = (3..=5).contains(&(kind as i32));
+            let run = Run::new(parameters.clone(), given);
+            let text = format!("(initial.found = {}, {kind:?}); what helps: ", kind as i32);
+            assert_eq!(run.warnings(&text), usize::from(is_other), "{:?}", run.messages);
+            assert_eq!(run.warnings("initial.found"), usize::from(is_other));
+            let torque = format!("torques {} and", given.primary.torque);
+            assert_eq!(
+                run.warnings("asked for: ratio 1") * run.warnings(&torque),
+                usize::from(is_other)
+            );
+            parameters.initial.strict = true;
+            let (_, error) = tried(parameters, &given);
+            assert_eq!(error.is_some(), is_other, "{kind:?}");
+            assert!(error.is_none_or(|error| error.contains(&text) && error.contains("initial.strict")));
+        }
+    }
+}
+
+/// One sheave or both, also where they tilt at once: the spring that holds the ratio of the search made a soft primary one ring.
+#[test]
+fn soft_sheaves_have_a_steady_start() {
+    for model in MODELS {
+        for (primary, secondary) in [(true, false), (false, true), (true, true)] {
+            for (stiffness, ratio, time) in [
+                (5e4, 1.0, 2e-3),
+                (7e4, 1.0, 2e-3),
+                (7e4, 0.5, 1e-5),
+                (1e5, 2.0, 2e-3),
+                (2e5, 1.0, 1e-5),
+            ] {
+                let mut parameters = variator(model);
+                parameters.initial.ratio = ratio;
+                let (of_primary, of_secondary) = (&mut parameters.primary.tilt, &mut parameters.secondary.tilt);
+                for (tilt, is_soft) in [(of_primary, primary), (of_secondary, secondary)] {
+                    tilt.time = time;
+                    if is_soft {
+                        tilt.stiffness = stiffness;
+                    }
+                }
+                let o = Run::new(parameters, inputs((50.0, 13e3), (-49.0 * ratio, 10e3))).outputs();
+                assert_eq!(
+                    o.start_state,
+                    StartState::Steady,
+                    "{model:?} {primary} {secondary} {stiffness}"
+                );
+            }
         }
     }
 }

@@ -3,9 +3,9 @@
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_support::checks::{assert_close, assert_mirrored};
 use pushbelt_support::manoeuvre::Manoeuvre;
-use pushbelt_support::run::Run;
+use pushbelt_support::run::{Run, started};
 use pushbelt_support::steady::{Steady, transmitting};
-use pushbelt_support::variators::{MODELS, SPEED, chain};
+use pushbelt_support::variators::{MODELS, SPEED, chain, inputs};
 
 /// The steady state at a ratio with a torque on the primary shaft, N·m; the secondary shaft turns at `speed`/ratio.
 fn driven(parameters: &Parameters, ratio: f64, torque: f64, speed: f64) -> Steady {
@@ -33,6 +33,26 @@ fn a_steady_chain_balances_its_power() {
             }
         }
     }
+}
+
+/// Friction that is set anew to what it is costs nothing: kept derivatives stay.
+#[test]
+fn friction_that_stays_costs_nothing() {
+    let steps = |sets: bool| {
+        let mut run = started(chain(RingModel::Ale0), &inputs((0.0, 13e3), (-49.0, 10e3)));
+        for k in 1..=20 {
+            if sets {
+                let friction = run.parameters().friction.clone();
+                run.set_friction(friction.pulley, friction.ring).expect("in range");
+            }
+            let torque = 2.0 * f64::from(k);
+            run.advance(1e-3 * f64::from(k), &inputs((torque, 13e3), (-49.0, 10e3)))
+                .expect("a step");
+        }
+        assert!(run.parameters().friction.ring > 0.0 && run.system().parameters.friction.ring == 0.0);
+        (run.counts(), run.system().differentiations(), run.outputs().clone())
+    };
+    assert_eq!(steps(true), steps(false));
 }
 
 /// Σ T r_j |v|/R over the four borders of the arcs.

@@ -8,7 +8,7 @@ use pushbelt::variator::linear::linearise;
 use pushbelt::variator::settings::{Cylinder, Inputs, Mode, Outputs, Parameters, PulleyOutputs, RingModel, StartState};
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::disturbed::{TIME, assert_jacobian, disturbed, small};
-use pushbelt_support::run::{Run, assert_continues_alike, started};
+use pushbelt_support::run::{Run, assert_continues_alike, restored, started};
 use pushbelt_support::variators::{MODELS, coarse, inputs};
 
 /// An area with which forces from pressures have no rounding error, m².
@@ -91,6 +91,7 @@ fn power_of_the_oil_is_the_work_on_the_sheave() {
             run.watch(0.1, 1e-3, |_, o: &Outputs| {
                 let mut seals = 0.0;
                 for (of, given) in [(&o.primary, &inputs.primary), (&o.secondary, &inputs.secondary)] {
+                    assert_eq!(of.volume, CYLINDER.area * of.position);
                     let drag = CYLINDER.drag(of.sheave_velocity, v0);
                     let others = given.clamping_force + CYLINDER.push(of.position, of.speed) - drag;
                     let mechanical = (of.clamping_force_total - others) * of.sheave_velocity;
@@ -230,6 +231,22 @@ fn starts_are_those_of_the_whole_forces() {
     }
 }
 
+/// In reverse the search goes by way of a firmer clamp, from springs as from clamps.
+#[test]
+fn a_start_clamped_by_springs_alone_is_that_of_clamps() {
+    let mut parameters = coarse(RingModel::Ale0);
+    parameters.initial.primary_speed *= -1.0;
+    let [primary, secondary] = [5e3, 4e3];
+    let mut clamped = started(parameters.clone(), &inputs((-15.0, primary), (15.0, secondary)));
+    parameters.primary.cylinder.spring_force = primary;
+    parameters.secondary.cylinder.spring_force = secondary;
+    let mut sprung = started(parameters, &inputs((-15.0, 0.0), (15.0, 0.0)));
+    assert_eq!(clamped.outputs().start_state, StartState::Steady);
+    assert_close(sprung.outputs().slip, clamped.outputs().slip, 1e-6, "slip");
+    let [by_springs, by_clamps] = [sprung, clamped].map(|run| run.start_work().residuals as f64);
+    assert_close(by_springs, by_clamps, 0.03, "residuals of the search");
+}
+
 #[test]
 fn a_start_without_load_has_springs_and_seals() {
     for model in MODELS {
@@ -262,6 +279,35 @@ fn a_pressure_that_opens_a_pulley_is_warned_about_once() {
     let parameters = with(coarse(RingModel::Ale0), bare(AREA));
     let run = Run::new(parameters, inputs((0.0, 0.0), (0.0, 0.0)));
     assert!(!run.reported("opens"));
+}
+
+/// A piston without area, from the start, where the start fails for it, later in the run, of one pulley or both.
+#[test]
+fn a_pressure_without_an_area_is_warned_about_once() {
+    for (mode, area) in [(Mode::Accurate, 0.0), (Mode::RealTime, 0.0), (Mode::Accurate, AREA)] {
+        let mut parameters = with(coarse(RingModel::Ale0), bare(area));
+        (parameters.solver.mode, parameters.primary.cylinder.area) = (mode, 0.0);
+        let mut run = Run::new(parameters.clone(), inputs((50.0, 13e3), (-49.0, 10e3)));
+        for pressure in [0.0, 1e5, 2e5] {
+            (run.inputs.primary.pressure, run.inputs.secondary.pressure) = (pressure, 0.5 * pressure);
+            run.go(2e-3, 1e-3);
+            if pressure == 1e5 {
+                run.variator = restored(&mut run.variator, parameters.clone());
+            }
+        }
+        let idle = ["primary", "secondary"].map(|name| format!("{name}.cylinder.area is 0"));
+        assert_eq!(run.warnings("has no effect"), 1, "{:?}", run.messages);
+        assert_eq!(idle.map(|text| run.warnings(&text)), [1, usize::from(area == 0.0)]);
+    }
+    let mut given = inputs((50.0, 0.0), (-49.0, 0.0));
+    (given.primary.pressure, given.secondary.pressure) = (1.2e6, 1e6);
+    let run = Run::new(coarse(RingModel::Ale0), given);
+    let first = &run.messages[0].text;
+    assert!(
+        first.starts_with("at 0 s secondary.pressure = 1000000 Pa has no effect"),
+        "{first}"
+    );
+    assert_eq!(run.warnings("has no effect"), 1);
 }
 
 #[test]

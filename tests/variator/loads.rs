@@ -1,9 +1,12 @@
 //! Loads with jumps, ripple or noise: their work, and ramps of inputs.
 
+use std::f64::consts::TAU;
+
 use pushbelt::variator::run::Message;
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
 use pushbelt_support::checks::{assert_close, assert_pinned};
 use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
+use pushbelt_support::noise;
 use pushbelt_support::run::{Run, restored, started};
 use pushbelt_support::variators::{coarse, inputs, variator};
 
@@ -33,6 +36,58 @@ fn jacobians_of_ale() {
 #[test]
 fn jacobians_of_ale0() {
     jacobians(RingModel::Ale0, [8, 238, 31, 17, 64, 13, 796, 38, 287, 479]);
+}
+
+/// A slow shift under a torque that oscillates, as a function of time, s.
+fn shifting(time: f64) -> Inputs {
+    let [torque, force] = [3.0, 2.0].map(|frequency| (TAU * frequency * time).sin());
+    inputs((50.0 + 20.0 * torque, 13e3 + 2e3 * force), (-49.0, 10e3))
+}
+
+/// Residuals and Jacobians in communication steps of these lengths, s, until `end`, s.
+fn work(model: RingModel, mut lengths: impl FnMut(u32) -> f64, end: f64) -> [u64; 2] {
+    let mut parameters = variator(model);
+    parameters.solver.input_ramp = -1.0;
+    let mut run = started(parameters, &shifting(0.0));
+    let before = run.counts();
+    for k in 0.. {
+        let to = run.time() + lengths(k);
+        if to > end + 1e-9 {
+            break;
+        }
+        run.advance(to, &shifting(to)).expect("a step");
+    }
+    let work = run.counts() - before;
+    [work.residuals, work.factorizations]
+}
+
+/// Irregular communication steps take at most 1.3 times the work, residuals and 12 for each Jacobian, of equal ones with the same mean:
+/// random ones of 0.055 to 0.145 ms, and 0.33 and 2.17 ms in turn.
+fn irregular_steps(model: RingModel, random: [u64; 2], in_turn: [u64; 2]) {
+    let total = |[residuals, jacobians]: [u64; 2]| (residuals + 12 * jacobians) as f64;
+    let mut noise = noise(1);
+    let found = work(model, |_| 1e-4 * (1.0 + 0.9 * noise()), 0.25);
+    let alternating = work(model, |k| if k % 2 == 0 { 0.33e-3 } else { 2.17e-3 }, 1.0);
+    for (what, found, pinned, equal) in [
+        ("random", found, random, work(model, |_| 1e-4, 0.25)),
+        ("in turn", alternating, in_turn, work(model, |_| 1.25e-3, 1.0)),
+    ] {
+        let share = total(found) / total(equal);
+        assert!(share <= 1.3, "{what}: {share} times the work, {found:?} for {equal:?}");
+        for (k, count) in ["residuals", "Jacobians"].into_iter().enumerate() {
+            assert_pinned(found[k], pinned[k], &format!("{count}, {what}"));
+        }
+    }
+}
+
+#[test]
+fn irregular_steps_of_ale() {
+    irregular_steps(RingModel::Ale, [6538, 91], [3365, 80]);
+}
+
+#[test]
+fn irregular_steps_of_ale0() {
+    irregular_steps(RingModel::Ale0, [5828, 37], [3330, 72]);
 }
 
 /// The coarse variator with a ramp of the inputs.

@@ -1,10 +1,11 @@
 //! Runs of the variator: the manoeuvre's energy balance, tolerance, communication steps, repeatability, counts.
 
-use pushbelt::variator::run::CommunicationStep;
-use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, Parameters, RingModel};
+use pushbelt::fmi::table::Value;
+use pushbelt::variator::run::{CommunicationStep, InitialisationError, StepError, Variator};
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Outputs, Parameters, RingModel, Setting, parameters};
 use pushbelt_support::checks::{assert_close, assert_pinned};
 use pushbelt_support::manoeuvre::Manoeuvre;
-use pushbelt_support::run::{Run, assert_continues_alike, started};
+use pushbelt_support::run::{Run, assert_continues_alike, restored, started};
 use pushbelt_support::tracking::Tracked;
 use pushbelt_support::variators::{MODELS, chain, coarse, inputs, rigid, variator};
 
@@ -220,6 +221,75 @@ fn a_second_start_equals_the_first() {
     assert_eq!(fresh.outputs(), used.outputs());
 }
 
+/// Times that are none, or go back, are refused in one error, in both modes, and the run goes on.
+#[test]
+fn a_time_that_is_none_is_refused() {
+    let given = Inputs::default();
+    for mode in [Mode::Accurate, Mode::RealTime] {
+        let mut parameters = coarse(RingModel::Ale0);
+        parameters.solver.mode = mode;
+        let mut variator = Variator::new(parameters).expect("valid parameters");
+        for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1e7, 1e300] {
+            let refused = variator.initialise(time, &given).expect_err("no start");
+            assert!(matches!(refused, InitialisationError::Time(_)), "{refused}");
+        }
+        variator.initialise(0.0, &given).expect("a start");
+        variator.advance(2e-3, &given).expect("a step");
+        let before = (variator.state().clone(), variator.outputs().clone());
+        for to in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 1e-3, -1.0] {
+            let refused = variator.advance(to, &given).expect_err("no step");
+            assert!(matches!(refused, StepError::Time(_)), "{refused}");
+            let text = format!("the time {to} s is out of range: 0.002 to ");
+            assert!(refused.to_string().starts_with(&text), "{refused}");
+        }
+        let mut rates = Inputs::ZERO;
+        rates.secondary.torque = f64::NAN;
+        let refused = variator.advance_along(3e-3, &given, &rates).expect_err("no rate");
+        assert!(
+            refused
+                .to_string()
+                .starts_with("the derivative of secondary.torque = NaN")
+        );
+        assert_eq!((variator.state().clone(), variator.outputs().clone()), before);
+        // Rounding is no step back.
+        variator.advance(2e-3 - 1e-15, &given).expect("no step");
+        variator.advance(3e-3, &given).expect("a step");
+        let mut step = CommunicationStep::begin(&mut variator, 4e-3, &given, &Inputs::ZERO).expect("a step");
+        step.end_at(&variator, f64::NAN);
+        assert!(!step.is_over(), "its end stays");
+    }
+}
+
+/// A parameter that may be 0 and is next to it acts as at 0, or is refused.
+#[test]
+fn a_parameter_next_to_zero_is_as_at_zero_or_refused() {
+    let given = inputs((20.0, 13e3), (-20.0, 10e3));
+    let attempt = |parameters: Parameters| {
+        let mut variator = Variator::new(parameters).map_err(|error| error.to_string())?;
+        variator.initialise(0.0, &given).map_err(|_| "no start".to_owned())?;
+        let more = inputs((23.0, 13e3), (-20.0, 10e3));
+        variator.advance(3e-3, &more).map_err(|error| error.to_string())?;
+        Ok::<_, String>(variator.outputs().clone())
+    };
+    let may_be_0 = |one: &Setting<Parameters>| one.range().is_some_and(|[least, most]| least <= 0.0 && 0.0 <= most);
+    for variable in parameters().filter(may_be_0).map(Setting::variable) {
+        let name = &variable.name;
+        let [zero, next] = [0.0, 1e-170].map(|value| {
+            let mut parameters = coarse(RingModel::Ale0);
+            assert_eq!(variable.set(&mut parameters, Value::Real(value)), Ok(()), "{name}");
+            attempt(parameters)
+        });
+        match (next, zero) {
+            (Ok(found), Ok(expected)) => {
+                assert_close(found.thrust_ratio, expected.thrust_ratio, 1e-3, name);
+                assert_close(found.losses.total(), expected.losses.total(), 1e-3, name);
+            }
+            (Err(why), Ok(_)) => assert!(why.contains("or 0: "), "{name}: {why}"),
+            (found, expected) => assert_eq!(found.is_ok(), expected.is_ok(), "{name}: {found:?}"),
+        }
+    }
+}
+
 /// A drift of friction, as with temperature, requires few new Jacobians.
 #[test]
 fn drifting_friction_takes_few_jacobians() {
@@ -239,6 +309,54 @@ fn drifting_friction_takes_few_jacobians() {
     }
 }
 
+/// All that can be read of a run but its work: time derivatives too.
+fn readings(run: &mut Variator) -> impl PartialEq + std::fmt::Debug + use<> {
+    let of_run = (run.time(), run.parameters().clone(), run.start_work());
+    (of_run, run.outputs().clone(), run.profile().clone(), run.moment())
+}
+
+/// A copy, stored bytes and a step that is abandoned give back every reading, in each mode, after each tunable parameter: before a step
+/// under it and after some.
+#[test]
+fn each_way_back_gives_every_reading() {
+    for (mut parameters, mode) in [
+        (coarse(RingModel::Ale), Mode::Accurate),
+        (coarse(RingModel::Ale0), Mode::RealTime),
+        (chain(RingModel::Ale0), Mode::Accurate),
+    ] {
+        (parameters.solver.mode, parameters.solver.effort) = (mode, 1);
+        let given = |k: u32| inputs((60.0 - 30.0 * f64::from(k % 5), 13e3), (-49.0, 10e3));
+        let mut run = started(parameters.clone(), &given(0));
+        let mut behind = 0;
+        let mut check = |run: &mut Variator, k: u32, friction: [f64; 2]| {
+            let (expected, work) = (readings(run), run.counts());
+            for other in [&mut run.clone(), &mut restored(run, parameters.clone())] {
+                assert_eq!(readings(other), expected, "{mode:?}, {friction:?}");
+                assert_eq!(other.counts(), work);
+            }
+            let to = run.time() + 1e-3;
+            let mut step = CommunicationStep::begin(run, to, &given(k + 3), &Inputs::ZERO).expect("in range");
+            run.set_friction(0.08, 0.02).expect("in range");
+            step.advance(run).expect("a part of a step");
+            let work = run.counts();
+            step.discard(run);
+            assert_eq!(readings(run), expected, "{mode:?}, {friction:?}");
+            assert_eq!(run.counts(), work, "work that was in vain counts");
+            behind += i32::from(run.outputs().work.behind > 0.0);
+        };
+        for (n, friction) in [[0.09, 0.05], [0.06, 0.05], [0.06, 0.03]].into_iter().enumerate() {
+            run.set_friction(friction[0], friction[1]).expect("in range");
+            let first = 3 * n as u32;
+            check(&mut run, first, friction);
+            for k in first + 1..=first + 3 {
+                run.advance(1e-3 * f64::from(k), &given(k)).expect("a step");
+            }
+            check(&mut run, first + 3, friction);
+        }
+        assert_eq!(behind > 0, mode == Mode::RealTime, "an open step is stored too");
+    }
+}
+
 /// What follows a step that can't be done does not depend on it, nor on friction that was to change in it.
 #[test]
 fn a_failed_step_leaves_nothing() {
@@ -251,6 +369,7 @@ fn a_failed_step_leaves_nothing() {
         let [one, other] = [(1e4, 0.09), (5e3, 0.05)].map(|(torque, friction)| {
             let large = inputs((torque, 5e5), (-torque, 5e5));
             let mut run = start.clone();
+            let before = readings(&mut run);
             let mut step = CommunicationStep::begin(&mut run, 3e-3, &large, &Inputs::ZERO).expect("in range");
             run.set_friction(friction, 0.01).expect("in range");
             let mut outcome = Ok(());
@@ -258,6 +377,7 @@ fn a_failed_step_leaves_nothing() {
                 outcome = step.advance(&mut run);
             }
             assert!(outcome.is_err(), "{tolerance}");
+            assert_eq!(readings(&mut run), before, "{tolerance}");
             run.advance(1e-3 + span, &gentle).expect("a step");
             run
         });

@@ -68,7 +68,7 @@ def write(path: Path, found: Mapping[str, Any]) -> None:
 
 
 def pin(found: Mapping[str, Any]) -> None:
-    """Renews the pinned results, the page of the book, and the numbers of goals in other pages."""
+    """Renews the pinned results, the page of the book, and what other pages quote of them."""
     write(PINNED, found)
     PAGE.write_text(page(json.loads(PINNED.read_text(encoding="utf-8"))), encoding="utf-8")
     for path in telling():
@@ -80,8 +80,20 @@ def telling() -> list[Path]:
     return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 
+QUOTED = {
+    ("Thrust ratio without torque", "r_S/r_P 0.444, 15 kN"): r"(theory's\s+thrust\s+ratio\s+is\s+)[\d.]+(\s+and\s+the\s+belt's\s+)[\d.]+\b",
+    ("Slope d ln(F_P/F_S)/d ln s near s = 1, no torque", "15 kN"): r"(d ln κ/d ln s\s+is\s+in\s+theory\s+)[\d.]+(\s+and\s+in\s+the\s+belt\s+)[\d.]+\b",
+}
+"""Sentences that quote the theory and the default belt from a row of the steps, by quantity and state."""
+
+
 def renewed(text: str, found: Mapping[str, Any]) -> str:
-    """A text with the numbers of met and missed goals of a document."""
+    """A text with the numbers of met and missed goals of a document, and with the figures that it quotes."""
+    for (quantity, state), sentence in QUOTED.items():
+        row = next((row for row in found["steps"]["rows"] if row[:2] == [quantity, state]), None) if found.get("steps") else None
+        if row:
+            theory, belt = (f"{float(row[k]):.2f}" for k in (2, -1))
+            text = re.sub(sentence, rf"\g<1>{theory}\g<2>{belt}", text)
     for part in ("verification", "measurements"):
         met, goals = found[part]["met"], found[part]["goals"]
         text = re.sub(rf"(?i)({part}: )\d+ of \d+( goals met)", rf"\g<1>{met} of {goals}\g<2>", text)

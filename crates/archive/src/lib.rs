@@ -1,8 +1,9 @@
 //! A row of values that is written once and read back in the same order.
 //!
-//! A structure that is stored writes its values to an [`Archive`] or reads them from one, by one function for both
-//! directions. So values are read in the order in which they were written. Numbers keep their bits. A structure is built
-//! before its values are read, so the lengths are known, and an archive that does not fit is rejected.
+//! A structure that is stored writes its values to an [`Archive`] or reads them from one, by one
+//! function for both directions. So values are read in the order in which they were written.
+//! Numbers keep their bits. A structure is built before its values are read, so the lengths are
+//! known, and an archive that does not fit is rejected.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -96,16 +97,17 @@ impl<'a> Archive<'a> {
 
     /// A real number. One that is read and not finite is rejected.
     pub fn real(&mut self, value: &mut f64) {
-        self.within(value, f64::MIN, f64::MAX);
+        self.bounded_real(value, f64::MIN, f64::MAX);
     }
 
     /// Any real number: a marker, or one that is not in use.
-    pub fn any(&mut self, value: &mut f64) {
+    pub fn any_real(&mut self, value: &mut f64) {
         *value = f64::from_le_bytes(self.word(value.to_le_bytes()));
     }
 
-    /// A real number between limits, which may be infinite. One that is read and not between them is rejected.
-    pub fn within(&mut self, value: &mut f64, min: f64, max: f64) {
+    /// A real number between limits, which may be infinite. One that is read and not between them
+    /// is rejected.
+    pub fn bounded_real(&mut self, value: &mut f64, min: f64, max: f64) {
         let found = f64::from_le_bytes(self.word(value.to_le_bytes()));
         if (min..=max).contains(&found) {
             *value = found;
@@ -121,7 +123,13 @@ impl<'a> Archive<'a> {
             && bytes.try_reserve(8 * values.len()).is_ok()
         {
             // All at once: a run stores its state at each communication step.
-            bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+            let end = bytes.len();
+            bytes.resize(end + 8 * values.len(), 0);
+            let (words, _) = bytes[end..].as_chunks_mut::<8>();
+            words
+                .iter_mut()
+                .zip(values)
+                .for_each(|(word, value)| *word = value.to_le_bytes());
             return;
         }
         for value in values {
@@ -129,7 +137,8 @@ impl<'a> Archive<'a> {
         }
     }
 
-    /// A counter. One beyond 2⁵³, which no run reaches, is rejected: sums of counters don't overflow.
+    /// A counter. One beyond 2⁵³, which no run reaches, is rejected: sums of counters don't
+    /// overflow.
     pub fn counter(&mut self, value: &mut u64) {
         let found = u64::from_le_bytes(self.word(value.to_le_bytes()));
         if found <= 1 << 53 {
@@ -242,7 +251,7 @@ mod tests {
             let mut found = 7.0;
             match limits {
                 None => archive.real(&mut found),
-                Some([min, max]) => archive.within(&mut found, min, max),
+                Some([min, max]) => archive.bounded_real(&mut found, min, max),
             }
             archive.finish().map(|()| found)
         };
@@ -254,6 +263,25 @@ mod tests {
         assert_eq!(read(f64::NEG_INFINITY, limits), Ok(f64::NEG_INFINITY));
         assert_eq!(read(1.5, limits), Err(Mismatch));
         assert_eq!(read(f64::NAN, limits), Err(Mismatch));
+    }
+
+    #[test]
+    fn a_byte_that_is_no_truth_value_is_rejected() {
+        let mut archive = Archive::reader(&[2]);
+        archive.flag(&mut true);
+        assert_eq!(archive.finish(), Err(Mismatch));
+    }
+
+    #[test]
+    fn any_real_keeps_its_bits_and_memory_is_used_again() {
+        let marker = f64::from_bits(0x7ff8_0000_0000_0123);
+        let mut archive = Archive::writer_in(vec![7; 100]);
+        archive.any_real(&mut { marker });
+        let (bytes, mut found) = (archive.into_bytes(), 0.0);
+        assert_eq!((bytes.len(), bytes.capacity()), (8, 100));
+        let mut archive = Archive::reader(&bytes);
+        archive.any_real(&mut found);
+        assert_eq!((found.to_bits(), archive.finish()), (marker.to_bits(), Ok(())));
     }
 
     #[test]
@@ -282,8 +310,15 @@ mod tests {
         let mut longer = Archive::reader(&bytes);
         longer.reals(&mut [0.0; 4]);
         assert_eq!(longer.finish(), Err(Mismatch));
+        let mut three = Archive::writer();
+        three.reals(&mut [0.0; 3]);
+        let three = three.into_bytes();
+        let mut shorter = Archive::reader(&three);
+        shorter.reals(&mut [0.0; 2]);
+        shorter.real(&mut 0.0);
+        assert_eq!(shorter.finish(), Err(Mismatch));
         let mut out_of_range = thing();
-        out_of_range.order[0] = 7;
+        out_of_range.order[0] = 3;
         let mut archive = Archive::writer();
         out_of_range.serialize(&mut archive);
         assert_eq!(read(&archive.into_bytes(), &mut Thing::default()), Err(Mismatch));

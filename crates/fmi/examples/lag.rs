@@ -1,5 +1,6 @@
-//! A whole FMU of both versions of FMI: a first-order lag, T·dy/dt + y = u. `cargo build --example lag` builds its library,
-//! `cargo run --example lag_description` prints its model description.
+//! A whole FMU of both versions of FMI: a first-order lag, T·dy/dt + y = u.
+//! `cargo build --example lag` builds its library, `cargo run --example lag_description` prints its
+//! model description.
 
 use pushbelt_fmi::prelude::*;
 
@@ -42,13 +43,13 @@ impl Unit for Lag {
         let variables = vec![
             V::real(1, "y", "Output", Output, "1", Access::Reading(|output| *output)),
             V::real(2, "u", "Input", Input, "1", setting!(input)),
-            V::real(3, "T", "Time constant", Parameter, "s", setting!(time_constant)).within(Range::from(1e-6)),
+            V::real(3, "T", "Time constant", Parameter, "s", setting!(time_constant)).with_range(Range::from(1e-6)),
             V::real(4, "start", "Output at the start", Parameter, "1", setting!(start)),
         ];
         Table::new(UNITS, &[], variables)
     }
 
-    fn start(settings: &Settings, _: &Experiment, _: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(settings: &Settings, _: &Experiment, _: &mut Vec<Message>) -> Result<Self, String> {
         let (time, y) = (0.0, settings.start);
         Ok(Self { time, y })
     }
@@ -66,7 +67,7 @@ impl Unit for Lag {
     }
 
     /// The exact solution for an input that is held.
-    fn advance(&mut self, to: f64, (): &mut (), settings: &Settings, _: &mut Vec<Remark>) -> Result<(), String> {
+    fn advance(&mut self, to: f64, (): &mut (), settings: &Settings, _: &mut Vec<Message>) -> Result<(), String> {
         let decay = (-(to - self.time) / settings.time_constant).exp();
         self.y = settings.input + (self.y - settings.input) * decay;
         self.time = to;

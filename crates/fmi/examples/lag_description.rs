@@ -1,4 +1,5 @@
-//! Prints the model description of the first-order lag: of FMI 2.0, or with the argument 3 of FMI 3.0.
+//! Prints the model description of the first-order lag: of FMI 2.0, or with the argument 3 of FMI
+//! 3.0.
 
 use pushbelt_fmi::{Version, model_description};
 

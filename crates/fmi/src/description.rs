@@ -1,25 +1,29 @@
-//! `modelDescription.xml` of both versions, generated from the variable table, and the token made from it: the GUID of FMI 2.0, the
-//! instantiation token of FMI 3.0.
+//! `modelDescription.xml` of both versions, generated from the variable table, and the token made
+//! from it: the GUID of FMI 2.0, the instantiation token of FMI 3.0.
 //!
-//! Names, value references, units and limits are the same in both. The elements of an array in FMI 2.0 are one array in FMI 3.0, with the
-//! value reference of its first element. Its size is fixed: FMI 2.0 names each element.
+//! Names, value references, units and limits are the same in both. The elements of an array in FMI
+//! 2.0 are one array in FMI 3.0, with the value reference of its first element. Its size is fixed:
+//! FMI 2.0 names each element.
 
 use super::hash;
+use super::instance::{TIME, Version};
 use super::log::Category;
-use super::slave::{TIME, Version};
 use super::table::{Causality, Enumeration, Kind, Table, UnitDefinition, Value, Variable};
 use super::unit::{Identity, Unit};
 use super::xml::{Element, Number};
 use Version::{Three, Two};
 
 /// The model description of a unit whose resources have data of this hash.
+#[must_use]
 pub fn model_description<U: Unit>(version: Version, data: Option<u128>) -> String {
     describe::<U>(version, &token::<U>(version, data)).document()
 }
 
-/// The GUID of FMI 2.0 or instantiation token of FMI 3.0: a hash of the description without it, in the form of a GUID, so that
-/// description and binary fit each other. The hash of the data is in it by the bitwise exclusive or: a tool that replaces the data of an
-/// FMU can calculate the new token from the old one.
+/// The GUID of FMI 2.0 or instantiation token of FMI 3.0: a hash of the description without it, in
+/// the form of a GUID, so that description and binary fit each other. The hash of the data is in it
+/// by the bitwise exclusive or: a tool that replaces the data of an FMU can calculate the new token
+/// from the old one.
+#[must_use]
 pub fn token<U: Unit>(version: Version, data: Option<u128>) -> String {
     let description = describe::<U>(version, "").document();
     let digits = format!(
@@ -42,7 +46,7 @@ fn describe<U: Unit>(version: Version, token: &str) -> Element {
         .child(capabilities::<U>(version))
         .list("UnitDefinitions", table.units.iter().map(unit_definition))
         .list("TypeDefinitions", types)
-        .child(log_categories(version))
+        .child(log_categories())
         .child(default_experiment(&U::IDENTITY))
         .list("ModelVariables", time.into_iter().chain(described))
         .child(model_structure(version, &table))
@@ -76,8 +80,8 @@ fn capabilities<U: Unit>(version: Version) -> Element {
             .with("canNotUseMemoryManagementFunctions", true)
             .with("canGetAndSetFMUstate", true)
             .with("canSerializeFMUstate", true),
-        // Inputs may jump between the unit's internal steps, but without `recommendedIntermediateInputSmoothness="-1"`: checkers stop
-        // at a negative number.
+        // Inputs may jump between the unit's internal steps, but without
+        // `recommendedIntermediateInputSmoothness="-1"`: checkers stop at a negative number.
         Three => element
             .with("canGetAndSetFMUState", true)
             .with("canSerializeFMUState", true)
@@ -128,18 +132,13 @@ fn type_definition(version: Version, enumeration: &Enumeration) -> Element {
     }
 }
 
-/// Categories of the log. Without debug logging FMI 2.0 has warnings and discards too, FMI 3.0 only errors.
-fn log_categories(version: Version) -> Element {
-    let describe = |category| match (category, version) {
-        (Category::Error, _) => "Why a call failed (always logged)",
-        (Category::Warning, Two) => "What looks wrong but lets the run go on (logged without debug logging too)",
-        (Category::Warning, Three) => "What looks wrong but lets the run go on",
-        (Category::Discard, Two) => {
-            "Why a value was not taken or a step not completed (logged without debug logging too)"
-        }
-        (Category::Discard, Three) => "Why a step could not be completed",
-        (Category::Events, Two) => "What the unit did, e.g. how it found its initial state",
-        (Category::Events, Three) => "What the unit did, e.g. how it found its initial state, and the events of a run",
+/// Categories of the log. All but events are logged without debug logging too.
+fn log_categories() -> Element {
+    let describe = |category| match category {
+        Category::Error => "Why a call failed (always logged)",
+        Category::Warning => "What looks wrong but lets the run go on (logged without debug logging too)",
+        Category::Discard => "Why a value was not taken or a step not completed (logged without debug logging too)",
+        Category::Events => "What the unit did, e.g. how it found its initial state, and the events of a run",
     };
     Element::new("LogCategories").children(Category::ALL.into_iter().map(|category| {
         Element::new("Category")
@@ -159,7 +158,8 @@ fn time() -> Element {
         .with("unit", "s")
 }
 
-/// The element of a variable, or in FMI 3.0 of the array that begins with it; `None` for further elements of an array.
+/// The element of a variable, or in FMI 3.0 of the array that begins with it; `None` for further
+/// elements of an array.
 fn variable<S, R>(version: Version, table: &Table<S, R>, variable: &Variable<S, R>, settings: &S) -> Option<Element> {
     let reference = variable.reference;
     let array = table.array_of(reference).filter(|_| version == Three);
@@ -229,31 +229,32 @@ fn typed<S, R>(element: Element, variable: &Variable<S, R>, settings: &S) -> Ele
     }
 }
 
-/// In a run no output depends directly on an input: all effects pass through states. In initialisation mode outputs depend on
-/// settings, on all of them where there is no list (FMI 2.0, definition of the model structure; section 2.4.8 of FMI 3.0.2).
+/// In a run no output depends directly on an input: all effects pass through states. In
+/// initialisation mode outputs depend on settings, on all of them where there is no list (FMI 2.0,
+/// definition of the model structure; section 2.4.8 of FMI 3.0.2).
 fn model_structure<S, R>(version: Version, table: &Table<S, R>) -> Element {
     // FMI 2.0 counts variables from 1; FMI 3.0 has their value references.
-    let number = |place: usize| match version {
-        Two => (place + 1).to_string(),
-        Three => table.variables()[place].reference.to_string(),
+    let number = |index: usize| match version {
+        Two => (index + 1).to_string(),
+        Three => table.variables()[index].reference.to_string(),
     };
-    let places = 0..table.variables().len();
-    let outputs = places.filter(|place| table.variables()[*place].causality == Causality::Output);
-    let unknown = |tag, place: usize| match version {
-        Two => Element::new("Unknown").with("index", number(place)),
-        Three => Element::new(tag).with("valueReference", number(place)),
+    let indices = 0..table.variables().len();
+    let outputs = indices.filter(|index| table.variables()[*index].causality == Causality::Output);
+    let unknown = |tag, index: usize| match version {
+        Two => Element::new("Unknown").with("index", number(index)),
+        Three => Element::new(tag).with("valueReference", number(index)),
     };
     let depending = |unknown: Element, known: &[usize]| {
-        let numbers: Vec<_> = known.iter().map(|place| number(*place)).collect();
+        let numbers: Vec<_> = known.iter().map(|index| number(*index)).collect();
         unknown
             .with("dependencies", numbers.join(" "))
             .with("dependenciesKind", vec!["dependent"; known.len()].join(" "))
     };
-    let in_run = outputs.clone().map(|place| depending(unknown("Output", place), &[]));
-    let initial = outputs.map(|place| {
-        let unknown = unknown("InitialUnknown", place);
-        match table.initial_dependencies(&table.variables()[place]) {
-            Some(places) => depending(unknown, &places),
+    let in_run = outputs.clone().map(|index| depending(unknown("Output", index), &[]));
+    let initial = outputs.map(|index| {
+        let unknown = unknown("InitialUnknown", index);
+        match table.initial_dependencies(&table.variables()[index]) {
+            Some(indices) => depending(unknown, &indices),
             None => unknown,
         }
     });

@@ -1,12 +1,13 @@
-//! FMI 2.0 and FMI 3.0 for co-simulation around any model: C functions, state machine, variable table, stored states, log,
-//! model description.
+//! FMI 2.0 and FMI 3.0 for co-simulation around any model: C functions, state machine, variable
+//! table, stored states, log, model description.
 //!
-//! A model implements [`Unit`]: settings that the master writes (parameters and inputs), readings that it reads, a start and a
-//! step; and one [`Table`] that binds each variable's name to its field. The C functions and `modelDescription.xml` come from the
-//! table. [`export!`] exports the C functions; `examples/lag.rs` is a whole FMU.
+//! A model implements [`Unit`]: settings that the importer writes (parameters and inputs), readings
+//! that it reads, a start and a step; and one [`Table`] that binds each variable's name to its
+//! field. The C functions and `modelDescription.xml` come from the table. [`export!`] exports the C
+//! functions; `examples/lag.rs` is a whole FMU.
 //!
-//! There are no threads, and every instance owns all its data. The only global is the choice of the library in portable builds
-//! (`c::dispatch`).
+//! There are no threads, and every instance owns all its data. The only global is the choice of the
+//! library in portable builds (`c::dispatch`).
 
 #![warn(missing_docs)]
 // The program of the README is a test.
@@ -23,6 +24,8 @@ pub mod fmi3;
 #[forbid(unsafe_code)]
 pub mod hash;
 #[forbid(unsafe_code)]
+mod instance;
+#[forbid(unsafe_code)]
 pub mod log;
 #[forbid(unsafe_code)]
 mod processor;
@@ -30,8 +33,6 @@ mod processor;
 pub mod resources;
 #[forbid(unsafe_code)]
 pub mod si;
-#[forbid(unsafe_code)]
-mod slave;
 #[forbid(unsafe_code)]
 pub mod start_file;
 #[forbid(unsafe_code)]
@@ -46,13 +47,13 @@ mod xml;
 /// What the file of a unit imports.
 pub mod prelude {
     pub use crate::table::{Access, Causality, Range, Table, UnitDefinition, Variable};
-    pub use crate::unit::{Experiment, Identity, Remark};
+    pub use crate::unit::{Experiment, Identity, Message};
     pub use crate::{Archive, Unit, Version, model_description, setting};
 }
 
 pub use description::{model_description, token};
+pub use instance::Version;
 pub use pushbelt_archive::Archive;
-pub use slave::Version;
 pub use table::Table;
 pub use unit::Unit;
 

@@ -1,8 +1,7 @@
 //! Messages to the importer.
 
-use crate::slave::Version;
-
-/// Status of a call, numbered as in the standard; the others, of lost instances and pending calls, are never returned.
+/// Status of a call, numbered as in the standard; the others, of lost instances and pending calls,
+/// are never returned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
 pub enum Status {
@@ -10,7 +9,8 @@ pub enum Status {
     Ok = 0,
     /// The call was done; a message has a warning.
     Warning = 1,
-    /// A value was discarded, or a step was not completed; another value or a smaller step may work.
+    /// A value was discarded, or a step was not completed; another value or a smaller step may
+    /// work.
     Discard = 2,
     /// The call failed; the run can't continue without reset or a stored state.
     Error = 3,
@@ -34,6 +34,7 @@ impl Category {
     pub const ALL: [Self; 4] = [Self::Error, Self::Warning, Self::Discard, Self::Events];
 
     /// Name that the standard suggests for the log.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Error => "logStatusError",
@@ -55,7 +56,6 @@ pub(crate) type Sink = Box<dyn Fn(Status, Category, &str)>;
 
 /// A sink with a choice of categories.
 pub(crate) struct Log {
-    version: Version,
     sink: Option<Sink>,
     /// Whether the importer switched debug logging on when it created the instance.
     debug: bool,
@@ -65,9 +65,8 @@ pub(crate) struct Log {
 
 impl Log {
     /// A log into `sink`, if there is one.
-    pub fn new(version: Version, sink: Option<Sink>, debug: bool) -> Self {
+    pub fn new(sink: Option<Sink>, debug: bool) -> Self {
         let mut log = Self {
-            version,
             sink,
             debug,
             enabled: Vec::new(),
@@ -81,15 +80,16 @@ impl Log {
         self.choose(self.debug, &[]);
     }
 
-    /// Chooses what is logged with `debug`: errors and these categories, or all if there is none. Without it FMI 2.0 has errors, warnings
-    /// and discarded steps: they are no debug messages, and `loggingOn` is about these (section 2.1.5). FMI 3.0 has errors only: section
-    /// 2.3.1 of 3.0.2 forbids any message, but 3.0.3 corrects that. A host that reads none passes no function for messages.
+    /// Chooses what is logged with `debug`: errors and these categories, or all if there is none.
+    /// Without it errors, warnings and discards are logged: they are no debug messages, and
+    /// `loggingOn` is about these (section 2.1.5 of FMI 2.0; section 2.3.1 of 3.0.2 forbids any
+    /// message, 3.0.3 corrects that for errors). So a start that was not found is seen. A host that
+    /// reads none passes no function for messages.
     pub fn choose(&mut self, debug: bool, chosen: &[Category]) {
-        self.enabled = match (debug, chosen, self.version) {
-            (false, _, Version::Two) => vec![Category::Error, Category::Warning, Category::Discard],
-            (false, _, Version::Three) => vec![Category::Error],
-            (true, [], _) => Category::ALL.to_vec(),
-            (true, ..) => [chosen, &[Category::Error]].concat(),
+        self.enabled = match (debug, chosen) {
+            (false, _) => vec![Category::Error, Category::Warning, Category::Discard],
+            (true, []) => Category::ALL.to_vec(),
+            (true, _) => [chosen, &[Category::Error]].concat(),
         };
     }
 

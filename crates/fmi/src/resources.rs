@@ -1,7 +1,9 @@
-//! The resource location: where the importer has unpacked the archive's `resources` directory; and the content of its files.
+//! The resource location: where the importer has unpacked the archive's `resources` directory; and
+//! the content of its files.
 //!
-//! FMI 2.0 passes a `file:` URI and FMI 3.0 a path. Importers pass either in both, with spaces and percent signs encoded or not,
-//! or nothing. So there are several places to look in; the last one is beside the library.
+//! FMI 2.0 passes a `file:` URI and FMI 3.0 a path. Importers pass either in both, with spaces and
+//! percent signs encoded or not, or nothing. So there are several folders to look in; the last one
+//! is beside the library.
 
 use std::fs::File;
 use std::io::Read;
@@ -9,8 +11,12 @@ use std::path::{Path, PathBuf};
 
 use percent_encoding::percent_decode_str;
 
-/// The content of a regular file of at most `largest` bytes, without a byte-order mark; `None` if there is no file, or none that can be
-/// looked for: too long a name, a loop of links, a folder without permission. An error is the reason, as a sentence without the path.
+/// The content of a regular file of at most `largest` bytes, without a byte-order mark; `None` if
+/// there is no file, or none that can be looked for: too long a name, a loop of links, a folder
+/// without permission.
+///
+/// # Errors
+/// It is not a regular file, too large, or can't be read: a sentence without the path.
 pub fn content(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
     let Ok(data) = path.metadata() else {
         return Ok(None);
@@ -34,13 +40,18 @@ pub fn content(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
 /// U+FEFF in UTF-8, with which some editors begin a text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// The places that a resource location may mean, the most likely one first; none for an empty location. Or why it means none, as a sentence.
-pub(crate) fn places(location: &str) -> Result<Vec<PathBuf>, String> {
+/// The folders that a resource location may mean, the most likely one first; none for an empty
+/// location.
+///
+/// # Errors
+/// It is neither an absolute path nor the URI of a local file.
+pub(crate) fn folders(location: &str) -> Result<Vec<PathBuf>, String> {
     Ok(read(location, cfg!(windows))?.into_iter().map(PathBuf::from).collect())
 }
 
-/// The resources of the archive that a library was unpacked with: it is in the platform's folder in `binaries`.
-pub(crate) fn beside(library: &Path) -> Option<PathBuf> {
+/// The resources of the archive that a library was unpacked with: it is in the platform's folder in
+/// `binaries`.
+pub(crate) fn resources_of(library: &Path) -> Option<PathBuf> {
     let binaries = library.parent()?.parent()?;
     let unpacked = binaries.file_name()?.eq_ignore_ascii_case("binaries");
     unpacked.then(|| binaries.with_file_name("resources"))
@@ -68,8 +79,9 @@ fn read(location: &str, windows: bool) -> Result<Vec<String>, String> {
     Ok(vec![decoded, as_is])
 }
 
-/// The path of a `file:` URI, which follows the colon. The authority may be missing (`/a`), empty (`///a`), `localhost`, a drive
-/// letter by mistake (`//C:/a`), or on Windows another host (`//server/a`).
+/// The path of a `file:` URI, which follows the colon. The authority may be missing (`/a`), empty
+/// (`///a`), `localhost`, a drive letter by mistake (`//C:/a`), or on Windows another host
+/// (`//server/a`).
 fn path_of(rest: &str, windows: bool) -> Result<String, String> {
     let Some(rest) = rest.strip_prefix("//") else {
         return match rest.starts_with(['/', '\\']) || has_drive(rest) {
@@ -105,7 +117,7 @@ fn as_is_or_decoded(path: &str) -> [String; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::{beside, read};
+    use super::{read, resources_of};
     use std::path::Path;
 
     #[test]
@@ -154,9 +166,9 @@ mod tests {
 
     #[test]
     fn resources_are_beside_the_binaries() {
-        let found = beside(Path::new("/x/binaries/linux64/a.so"));
+        let found = resources_of(Path::new("/x/binaries/linux64/a.so"));
         assert_eq!(found.as_deref(), Some(Path::new("/x/resources")));
-        assert_eq!(beside(Path::new("/x/lib/linux64/a.so")), None);
-        assert_eq!(beside(Path::new("linux64/a.so")), None);
+        assert_eq!(resources_of(Path::new("/x/lib/linux64/a.so")), None);
+        assert_eq!(resources_of(Path::new("linux64/a.so")), None);
     }
 }

@@ -19,6 +19,7 @@ pub const UNITS: &[UnitDefinition] = &[
     UnitDefinition::new("N/m2", &[("kg", 1), ("m", -1), ("s", -2)]),
     UnitDefinition::new("Pa", &[("kg", 1), ("m", -1), ("s", -2)]).shown_in(&[("MPa", 1e-6), ("bar", 1e-5)]),
     UnitDefinition::new("m2", &[("m", 2)]),
+    UnitDefinition::new("m3", &[("m", 3)]),
     UnitDefinition::new("m3/s", &[("m", 3), ("s", -1)]),
     UnitDefinition::new("N.s2/rad2", &[("kg", 1), ("m", 1), ("rad", -2)]),
     UnitDefinition::new("1/m", &[("m", -1)]),

@@ -1,11 +1,13 @@
 //! Start values that come with a copy of the FMU: `start-values.txt` in its resources.
 //!
-//! Importers need not pass on the start values of the model description, and many don't. So a copy with a user's own values
-//! contains them for the library too: one `name = value` per line; truth values are `true` and `false`, items of enumerations
-//! are numbers; `#` begins a comment. An unreadable file is an error; a location that can't be searched is skipped.
+//! Importers need not pass on the start values of the model description, and many don't. So a copy
+//! with a user's own values contains them for the library too: one `name = value` per line; truth
+//! values are `true` and `false`, items of enumerations are numbers; `#` begins a comment. An
+//! unreadable file is an error; a location that can't be searched is skipped.
 //!
-//! Without the file the defaults hold, but not in such a copy: its token (the GUID of FMI 2.0) begins as that of the original and
-//! has another end, so the library refuses to run it without its file.
+//! Without the file the defaults hold, but not in such a copy: its token (the GUID of FMI 2.0)
+//! begins as that of the original and has another end, so the library refuses to run it without its
+//! file.
 
 use std::path::PathBuf;
 
@@ -17,20 +19,24 @@ use super::unit::Unit;
 pub const FILE: &str = "start-values.txt";
 
 /// Largest size of the file, bytes: a larger file is not a list of start values.
-const LARGEST: u64 = 1 << 20;
+const LARGEST_FILE: u64 = 1 << 20;
 
-/// Characters at the beginning of a token that a copy has from the original: `{01234567-0123-0123-`.
+/// Characters at the beginning of a token that a copy has from the original:
+/// `{01234567-0123-0123-`.
 const SHARED: usize = 20;
 
-/// Whether a token is that of a copy with start values of a user; `None` if it is one of another FMU than the original.
+/// Whether a token is that of a copy with start values of a user; `None` if it is one of another
+/// FMU than the original.
 pub(crate) fn is_of_copy(token: &str, original: &str) -> Option<bool> {
     let belongs = token.len() == original.len() && original.get(..SHARED) == token.get(..SHARED);
     belongs.then_some(token != original)
 }
 
-/// The settings that an instance starts from: those of the file in the first folder that has one, over `defaults`; `None` if
-/// there is no file.
-/// Or why it is unusable, or missing in a copy: a sentence with file, line, variable and value.
+/// The settings that an instance starts from: those of the file in the first folder that has one,
+/// over `defaults`; `None` if there is no file.
+///
+/// # Errors
+/// The file is unusable, or missing in a copy: a sentence with file, line, variable and value.
 pub(crate) fn find<U: Unit>(
     folders: &[PathBuf],
     is_copy: bool,
@@ -39,7 +45,7 @@ pub(crate) fn find<U: Unit>(
     for folder in folders {
         let path = folder.join(FILE);
         let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
-        if let Some(bytes) = content(&path, LARGEST).map_err(unusable)? {
+        if let Some(bytes) = content(&path, LARGEST_FILE).map_err(unusable)? {
             let text = String::from_utf8(bytes).map_err(|_| "it is not text in UTF-8".to_owned());
             let settings = text.and_then(|text| parse(&text, &U::table(), defaults));
             return settings.map(Some).map_err(unusable);
@@ -53,8 +59,8 @@ pub(crate) fn find<U: Unit>(
             searched.join(" and in ")
         )),
         (true, true) => Err(format!(
-            "this copy of the FMU has start values of its own in {FILE}, but the importer passed no resource location, and the \
-             library is not in the folder into which the FMU was unpacked"
+            "this copy of the FMU has start values of its own in {FILE}, but the importer passed no resource \
+             location, and the library is not in the folder into which the FMU was unpacked"
         )),
     }
 }

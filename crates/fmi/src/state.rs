@@ -1,8 +1,10 @@
-//! The state machine of a co-simulation slave: which call is allowed when (table 4.2.4 of FMI 2.0, sections 2.3 and 4.2 of FMI 3.0).
-//! The step mode of FMI 3.0 is [`State::StepComplete`] and, after a discarded step, [`State::StepFailed`].
+//! The state machine of a co-simulation instance: which call is allowed when (table 4.2.4 of FMI
+//! 2.0, sections 2.3 and 4.2 of FMI 3.0). The step mode of FMI 3.0 is [`State::StepComplete`] and,
+//! after a discarded step, [`State::StepFailed`].
 
-/// States of a slave. A step has ended when `fmi2DoStep` returns, so the states "step in progress" and "step cancelled"
-/// never occur; neither does "fatal", since an error in one instance does not affect others.
+/// States of an instance. A step has ended when `fmi2DoStep` returns, so the states "step in
+/// progress" and "step cancelled" never occur; neither does "fatal", since an error in one instance
+/// does not affect others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// Instantiated: set-up and start values.
@@ -17,9 +19,10 @@ pub enum State {
     Terminated,
     /// A call failed: only reset, a stored state or the end of the instance lead out of this state.
     Error,
-    /// Event mode, of FMI 3.0 only: the master handles an event at this time.
+    /// Event mode, of FMI 3.0 only: the importer handles an event at this time.
     Event,
-    /// Intermediate update mode, of FMI 3.0 only: within `fmi3DoStep`, until the master's callback returns.
+    /// Intermediate update mode, of FMI 3.0 only: within `fmi3DoStep`, until the importer's
+    /// callback returns.
     IntermediateUpdate,
 }
 
@@ -36,6 +39,7 @@ impl State {
     ];
 
     /// Name for messages.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Instantiated => "instantiated",
@@ -50,6 +54,7 @@ impl State {
     }
 
     /// Whether a run has started and not ended.
+    #[must_use]
     pub fn is_running(self) -> bool {
         matches!(
             self,
@@ -65,7 +70,8 @@ pub(crate) enum Call {
     EnterInitializationMode,
     ExitInitializationMode,
     Terminate,
-    /// Reset, choice of log categories, end of the instance, stored states: always but in intermediate update mode.
+    /// Reset, choice of log categories, end of the instance, stored states: always but in
+    /// intermediate update mode.
     Always,
     Get,
     /// Of variables and of derivatives of inputs.
@@ -91,8 +97,9 @@ impl Call {
             Self::Always => state != IntermediateUpdate,
             Self::Get => state.is_running() || matches!(state, Initialisation | Terminated | Error),
             Self::GetOutputDerivatives => state.is_running() || matches!(state, Terminated | Error),
-            // After a discarded step FMI 2.0 allows only rollback and the end. This slave is in the state before the step, as in FMI 3.0,
-            // so the master may also change inputs and repeat it.
+            // After a discarded step FMI 2.0 allows only rollback and the end. This instance is in
+            // the state before the step, as in FMI 3.0, so the importer may also change inputs and
+            // repeat it.
             Self::Set => state.is_running() || matches!(state, Instantiated | Initialisation),
             Self::DoStep | Self::EnterEventMode => matches!(state, StepComplete | StepFailed),
             Self::GetStatus => matches!(state, StepComplete | StepFailed | Terminated),

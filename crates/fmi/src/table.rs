@@ -10,7 +10,8 @@ use num_traits::cast;
 pub struct UnitDefinition {
     /// Name as variables use it, e.g. `N.m`.
     pub name: &'static str,
-    /// Base units with their exponents in the attribute names of the standard, e.g. `[("kg", 1), ("m", 2), ("s", -2)]`.
+    /// Base units with their exponents in the attribute names of the standard, e.g.
+    /// `[("kg", 1), ("m", 2), ("s", -2)]`.
     pub exponents: &'static [(&'static str, i32)],
     /// Units in which a user interface may show values: name and factor, shown = factor · value.
     pub display: &'static [(&'static str, f64)],
@@ -18,6 +19,7 @@ pub struct UnitDefinition {
 
 impl UnitDefinition {
     /// A unit without display units.
+    #[must_use]
     pub const fn new(name: &'static str, exponents: &'static [(&'static str, i32)]) -> Self {
         Self {
             name,
@@ -47,6 +49,7 @@ pub struct Item {
 
 impl Item {
     /// A value with its name and meaning.
+    #[must_use]
     pub const fn new(name: &'static str, value: i32, description: &'static str) -> Self {
         Self {
             name,
@@ -67,8 +70,8 @@ pub struct Enumeration {
     pub items: &'static [Item],
 }
 
-/// Who sets a variable, and when. Its variability follows: parameters are fixed or tunable, inputs, outputs and locals are
-/// continuous if real and discrete otherwise.
+/// Who sets a variable, and when. Its variability follows: parameters are fixed or tunable, inputs,
+/// outputs and locals are continuous if real and discrete otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Causality {
     /// Set before the start.
@@ -84,13 +87,15 @@ pub enum Causality {
 }
 
 impl Causality {
-    /// Whether the master writes the variable (and the unit only reads it).
+    /// Whether the importer writes the variable (and the unit only reads it).
+    #[must_use]
     pub fn is_setting(self) -> bool {
         matches!(self, Self::Parameter | Self::Tunable | Self::Input)
     }
 }
 
-/// The field of a value: in the settings `S`, which the master writes, or in the readings `R`, which the unit writes.
+/// The field of a value: in the settings `S`, which the importer writes, or in the readings `R`,
+/// which the unit writes.
 pub enum Access<S, R, T> {
     /// A field of the settings.
     Setting {
@@ -157,6 +162,7 @@ impl From<f64> for Range {
 
 impl Range {
     /// Values within limits.
+    #[must_use]
     pub const fn between(min: f64, max: f64) -> Self {
         Self {
             min: Some(min),
@@ -166,6 +172,7 @@ impl Range {
     }
 
     /// Values without limits, of a typical size.
+    #[must_use]
     pub const fn typical(nominal: f64) -> Self {
         Self {
             min: None,
@@ -176,7 +183,7 @@ impl Range {
 
     /// The same limits with a typical size.
     #[must_use]
-    pub const fn of_size(mut self, nominal: f64) -> Self {
+    pub const fn with_nominal(mut self, nominal: f64) -> Self {
         self.nominal = Some(nominal);
         self
     }
@@ -227,7 +234,8 @@ pub enum Kind<S, R> {
     },
 }
 
-/// A value of any type. Whole numbers have more bits here than in a variable: those beyond its range are refused with the range.
+/// A value of any type. Whole numbers have more bits here than in a variable: those beyond its
+/// range are refused with the range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
     /// Of a real variable.
@@ -278,12 +286,13 @@ pub(crate) fn not_finite(name: &str, value: f64) -> String {
     format!("{name} = {value} is not a finite number")
 }
 
-/// An input that exceeds a limit by less than this, in its unit, is set to the limit. Another model that ends at
-/// zero may leave a rounding error below it.
+/// An input that exceeds a limit by less than this, in its unit, is set to the limit. Another model
+/// that ends at zero may leave a rounding error below it.
 const ROUNDING: f64 = 1.0e-6;
 
 impl<S, R> Variable<S, R> {
     /// A real variable without limits, in a unit of [`Table::units`].
+    #[must_use]
     pub fn real(
         reference: u32,
         name: &str,
@@ -308,7 +317,7 @@ impl<S, R> Variable<S, R> {
 
     /// The same with other limits, if it is real.
     #[must_use]
-    pub fn within(mut self, limits: Range) -> Self {
+    pub fn with_range(mut self, limits: Range) -> Self {
         if let Kind::Real { range, .. } = &mut self.kind {
             *range = limits;
         }
@@ -332,11 +341,13 @@ impl<S, R> Variable<S, R> {
         matches!(self.kind, Kind::Real { .. }) && matches!(self.causality, Causality::Input | Causality::Output)
     }
 
-    /// Sets a setting to a value of its type, if that is within its limits. A number is a truth value, too: all but 0 is true.
+    /// Sets a setting to a value of its type, if that is within its limits. A number is a truth
+    /// value, too: all but 0 is true.
     ///
     /// # Errors
-    /// The variable is no setting, or the value is not finite, not an item of the enumeration, or out of range, by more than rounding where
-    /// the variable is an input: a sentence with name, value and allowed range. Nothing has changed.
+    /// The variable is no setting, or the value is not finite, not an item of the enumeration, or
+    /// out of range, by more than rounding where the variable is an input: a sentence with name,
+    /// value and allowed range. Nothing has changed.
     pub fn set(&self, settings: &mut S, value: Value) -> Result<(), String> {
         if !self.causality.is_setting() {
             return Err(format!("{} is calculated and can't be set", self.name));
@@ -395,8 +406,8 @@ impl<S, R> Variable<S, R> {
     }
 }
 
-/// Variables that are the elements of an array. FMI 2.0 has elements only, FMI 3.0 has the array: apart from name and
-/// description, its attributes are those of its first element.
+/// Variables that are the elements of an array. FMI 2.0 has elements only, FMI 3.0 has the array:
+/// apart from name and description, its attributes are those of its first element.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Array {
     /// Name without index.
@@ -411,6 +422,7 @@ pub struct Array {
 
 impl Array {
     /// The value references of its elements.
+    #[must_use]
     pub fn elements(&self) -> std::ops::RangeInclusive<u32> {
         self.first..=self.first + (self.size - 1)
     }
@@ -426,16 +438,17 @@ pub struct Table<S, R> {
     pub arrays: Vec<Array>,
     /// Variables of earlier versions, for the messages of those who still use them.
     pub retired: &'static [Retired],
-    /// Dependencies of some outputs in initialisation mode. Each other output depends on all settings.
+    /// Dependencies of some outputs in initialisation mode. Each other output depends on all
+    /// settings.
     pub initial: &'static [InitialDependencies],
     variables: Vec<Variable<S, R>>,
-    /// Index in `variables` of each value reference. A hash map would get its seed from the operating system, by a library that some
-    /// Windows compatibility layers lack.
+    /// Index in `variables` of each value reference. A hash map would get its seed from the
+    /// operating system, by a library that some Windows compatibility layers lack.
     by_reference: BTreeMap<u32, usize>,
 }
 
-/// A calculated variable, and the settings on which it depends in initialisation mode, by their names. A master that couples units
-/// sorts by these: with fewer of them it finds fewer loops.
+/// A calculated variable, and the settings on which it depends in initialisation mode, by their
+/// names. An importer that couples units sorts by these: with fewer of them it finds fewer loops.
 pub type InitialDependencies = (&'static str, &'static [&'static str]);
 
 /// A variable that an earlier version had. Its value reference is not given again.
@@ -451,14 +464,16 @@ pub struct Retired {
 }
 
 impl<S, R> Table<S, R> {
-    /// A table of these variables, in the order in which they appear in the description. It declares those of the `units` that they use.
+    /// A table of these variables, in the order in which they appear in the description. It
+    /// declares those of the `units` that they use.
+    #[must_use]
     pub fn new(
         units: &'static [UnitDefinition],
         enumerations: &'static [&'static Enumeration],
         variables: Vec<Variable<S, R>>,
     ) -> Self {
-        let places = variables.iter().enumerate();
-        let by_reference = places.map(|(place, variable)| (variable.reference, place)).collect();
+        let numbered = variables.iter().enumerate();
+        let by_reference = numbered.map(|(index, variable)| (variable.reference, index)).collect();
         let is_used = |name| {
             variables
                 .iter()
@@ -475,30 +490,36 @@ impl<S, R> Table<S, R> {
         }
     }
 
-    /// The places of the settings on which a variable depends in initialisation mode, in order; `None` if it depends on all.
+    /// The indices of the settings on which a variable depends in initialisation mode, in order;
+    /// `None` if it depends on all.
+    #[must_use]
     pub fn initial_dependencies(&self, variable: &Variable<S, R>) -> Option<Vec<usize>> {
         let (_, settings) = self.initial.iter().find(|(name, _)| *name == variable.name)?;
-        let places = self.variables.iter().enumerate();
-        let known = places.filter(|(_, one)| settings.contains(&one.name.as_str()));
-        Some(known.map(|(place, _)| place).collect())
+        let numbered = self.variables.iter().enumerate();
+        let known = numbered.filter(|(_, one)| settings.contains(&one.name.as_str()));
+        Some(known.map(|(index, _)| index).collect())
     }
 
     /// The array that a variable with this value reference is an element of.
+    #[must_use]
     pub fn array_of(&self, reference: u32) -> Option<&Array> {
         self.arrays.iter().find(|array| array.elements().contains(&reference))
     }
 
     /// The variables in order.
+    #[must_use]
     pub fn variables(&self) -> &[Variable<S, R>] {
         &self.variables
     }
 
     /// The variable with a value reference.
+    #[must_use]
     pub fn by_reference(&self, reference: u32) -> Option<&Variable<S, R>> {
-        self.by_reference.get(&reference).map(|place| &self.variables[*place])
+        self.by_reference.get(&reference).map(|index| &self.variables[*index])
     }
 
     /// The variable with a name.
+    #[must_use]
     pub fn by_name(&self, name: &str) -> Option<&Variable<S, R>> {
         self.variables.iter().find(|variable| variable.name == name)
     }

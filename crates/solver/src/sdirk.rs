@@ -113,12 +113,12 @@ impl Sdirk {
         self.last_step.map_or(0.0, |h| (second - first) / ((1.0 - GAMMA) * h))
     }
 
-    /// Writes to an archive, or reads from it, all that later steps depend on.
+    /// Writes to an archive, or reads from it, all that later steps depend on but [the factored Jacobian](Newton::serialize_factors).
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.newton.serialize(archive);
-        archive.within(&mut self.step, 0.0, f64::MAX);
+        archive.bounded_real(&mut self.step, 0.0, f64::MAX);
         archive.option(&mut self.last_step);
-        archive.within(&mut self.error, 0.0, 1.0);
+        archive.bounded_real(&mut self.error, 0.0, 1.0);
         archive.reals(&mut self.slope);
         if self.last_step.is_some() {
             for stage in &mut self.stages {
@@ -219,7 +219,7 @@ impl Sdirk {
     /// Takes one step from `time`, which is before `to`, s, to at most that; afterwards `time` is where it ends.
     ///
     /// # Errors
-    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at `time`.
+    /// The step size fell below 0.1 ns, or a time is not a number; the state is that of the last accepted step, at `time`.
     pub fn step<S: Evolution>(
         &mut self,
         system: &mut S,
@@ -263,7 +263,7 @@ impl Sdirk {
             } else {
                 &mut counts.rejected
             } += 1;
-            if self.step < MIN_STEP {
+            if self.step.is_nan() || self.step < MIN_STEP {
                 let (time, step) = (*time, self.step);
                 return Err(Stalled { time, step, newton });
             }

@@ -109,15 +109,20 @@ fn compile(workspace: &Workspace, machines: Arguments, version: Version) -> anyh
     }])
 }
 
-/// Builds the portable FMU of FMI 2.0 at `path` and leaves the one in the target directory alone.
+/// Builds the portable FMUs of FMI 2.0 and 3.0 in a folder, from the same binaries, and leaves those in the target directory alone.
 ///
 /// # Errors
 /// As [`run_options`].
-pub fn run_portable(workspace: &Workspace, path: &Path) -> anyhow::Result<()> {
+pub fn run_portable(workspace: &Workspace, folder: &Path) -> anyhow::Result<()> {
     let _alone = workspace.lock("build")?;
     let machines = Arguments { portable: true };
     let binaries = compile(workspace, machines, Version::Two)?;
-    write(collect(workspace, &binaries, machines, Version::Two)?, path)
+    for version in [Version::Two, Version::Three] {
+        let path = workspace.fmu(MODEL_IDENTIFIER, version);
+        let name = path.file_name().context("an FMU has a name")?;
+        write(collect(workspace, &binaries, machines, version)?, &folder.join(name))?;
+    }
+    Ok(())
 }
 
 /// Writes an FMU and prints its path and size.

@@ -1,4 +1,4 @@
-//! `cargo fmu wheel`: the Python package with the FMU inside, for people without Rust.
+//! `cargo fmu wheel`: the Python package with the FMUs inside, for people without Rust.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,8 +7,9 @@ use anyhow::{Context, ensure};
 use clap::Args;
 
 use crate::commands::build;
+use crate::platform::Version;
 use crate::python::{Environment, PACKING};
-use crate::workspace::{MODEL_IDENTIFIER, Workspace, copy_tree};
+use crate::workspace::{MAP_IDENTIFIER, MODEL_IDENTIFIER, Workspace, copy_tree};
 use crate::{cargo, licenses, progress};
 
 /// 1 January 1980, the earliest date in an archive, so that the bytes of a wheel don't depend on the date of its build.
@@ -17,7 +18,8 @@ const DATE: &str = "315532800";
 /// Content and destination of the wheel.
 #[derive(Args)]
 pub struct Arguments {
-    /// Pack this FMU with its binaries instead of building the portable one
+    /// Pack this FMU with its binaries, and those of FMI 3.0 and of maps beside it, instead of building them. What is built is portable but
+    /// for the FMUs of maps, which are of this machine
     #[arg(long, value_name = "FILE.fmu")]
     fmu: Option<PathBuf>,
     /// Folder that the wheel is written to [default: target/wheels]
@@ -30,19 +32,15 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, or the package can't be packed.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let fmu = match &arguments.fmu {
-        Some(fmu) => fmu.clone(),
-        None => {
-            let fmu = workspace.target().join("portable").with_extension("fmu");
-            build::run_portable(workspace, &fmu)?;
-            fmu
-        }
+    let fmus = match &arguments.fmu {
+        Some(fmu) => beside(fmu)?,
+        None => build_all(workspace)?,
     };
     let environment = Environment::prepare(workspace, &PACKING)?;
     let _alone = workspace.lock("wheel")?;
     progress::headline("Packing the Python package");
     let tree = workspace.target().join("wheel");
-    lay_out(workspace, &fmu, &tree)?;
+    lay_out(workspace, &fmus, &tree)?;
     let packed = tree.join("dist");
     let mut pip = environment.command();
     pip.args([
@@ -75,8 +73,43 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Copies the files for the build backend: the package with FMU and published data inside, and the licences.
-fn lay_out(workspace: &Workspace, fmu: &Path, tree: &Path) -> anyhow::Result<()> {
+/// Names of the FMUs in the wheel, by identifier and version.
+fn names() -> impl Iterator<Item = (&'static str, Version, String)> {
+    [MODEL_IDENTIFIER, MAP_IDENTIFIER].into_iter().flat_map(|identifier| {
+        [(Version::Two, ""), (Version::Three, "3")]
+            .map(|(version, suffix)| (identifier, version, format!("{identifier}{suffix}.fmu")))
+    })
+}
+
+/// The FMU of FMI 2.0 under the name that it has in the wheel, and the others in its folder.
+fn beside(fmu: &Path) -> anyhow::Result<Vec<(PathBuf, String)>> {
+    let folder = fmu.parent().context("a file has a folder")?;
+    let found = names().map(|(identifier, version, name)| {
+        let is_first = identifier == MODEL_IDENTIFIER && version == Version::Two;
+        (if is_first { fmu.to_owned() } else { folder.join(&name) }, name)
+    });
+    Ok(found.filter(|(path, _)| path == fmu || path.is_file()).collect())
+}
+
+/// Builds all FMUs of the wheel.
+fn build_all(workspace: &Workspace) -> anyhow::Result<Vec<(PathBuf, String)>> {
+    let folder = workspace.target().join("wheel-fmus");
+    fs::create_dir_all(&folder).with_context(|| format!("can't make {}", folder.display()))?;
+    build::run_portable(workspace, &folder)?;
+    names()
+        .map(|(identifier, version, name)| {
+            let path = if identifier == MAP_IDENTIFIER {
+                build::run_map(workspace, version)?
+            } else {
+                folder.join(&name)
+            };
+            Ok((path, name))
+        })
+        .collect()
+}
+
+/// Copies the files for the build backend: the package with FMUs and published data inside, and the licences.
+fn lay_out(workspace: &Workspace, fmus: &[(PathBuf, String)], tree: &Path) -> anyhow::Result<()> {
     if tree.exists() {
         fs::remove_dir_all(tree).with_context(|| format!("can't remove {}", tree.display()))?;
     }
@@ -90,7 +123,9 @@ fn lay_out(workspace: &Workspace, fmu: &Path, tree: &Path) -> anyhow::Result<()>
             .map(drop)
             .with_context(|| format!("can't copy {} to {}", from.display(), to.display()))
     };
-    copy(fmu, &data.join(format!("{MODEL_IDENTIFIER}.fmu")))?;
+    for (fmu, name) in fmus {
+        copy(fmu, &data.join(name))?;
+    }
     copy(&python.join("pyproject.toml"), &tree.join("pyproject.toml"))?;
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(&root.join(license), &tree.join(license))?;

@@ -1,9 +1,12 @@
 //! Cylinders: pressure in, flow out.
 
 use pushbelt::variator::settings::Cylinder;
+use pushbelt_fmi::unit::{Experiment, Unit};
 
-use super::{outputs, run, start};
+use super::states::{read, written};
+use super::{outputs, run, start, step};
 use crate::settings::Settings;
+use crate::unit::MapUnit;
 
 const CYLINDER: Cylinder = Cylinder {
     area: 0.012,
@@ -62,6 +65,7 @@ fn cylinders_move_the_sheaves() {
                     of.axial_force
                 );
                 assert_eq!(of.flow, cylinder.area * of.sheave_velocity);
+                assert!((of.volume - cylinder.area * position).abs() < 1e-15, "{}", of.volume);
                 let moved = way * (of.radius - before.radius) / 1e-3;
                 let mean = 0.5 * (of.sheave_velocity + before.sheave_velocity);
                 let follows = (moved - mean).abs() <= 0.05 * mean.abs() + 1e-9;
@@ -88,4 +92,38 @@ fn seals_hold_the_ratio_but_for_creep() {
     });
     let creeps = 0.0 < rubbing && rubbing < free && rubbing < 5e-4 / 3.0_f64.sqrt();
     assert!(creeps, "{rubbing} {free}");
+}
+
+/// At the start and in a run, each once.
+#[test]
+fn a_pressure_without_an_area_is_warned_about_once() {
+    let mut settings = super::settings();
+    settings.inputs.secondary.pressure = 1e5;
+    let mut remarks = Vec::new();
+    let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut remarks).expect("a start");
+    settings.inputs.primary.pressure = 2e5;
+    for to in [0.01, 0.02] {
+        remarks.extend(step(&mut unit, &settings, to, None).expect("a step"));
+    }
+    let texts: Vec<_> = remarks.iter().map(|remark| (remark.warning, &*remark.text)).collect();
+    let [(true, first), (true, second)] = texts[..] else {
+        panic!("{texts:?}");
+    };
+    assert!(first.contains("secondary.cylinder.area is 0") && second.contains("primary.cylinder.area is 0"));
+}
+
+/// Out of equilibrium too: a coupled circuit reads no flow before the first step, also where the start was stored.
+#[test]
+fn sheaves_are_at_rest_at_the_start() {
+    let mut settings = settings(150.0);
+    settings.parameters.initial.equilibrium = false;
+    settings.inputs.primary.pressure += 1e5;
+    let mut unit = start(&settings);
+    let mut stored = read(&settings, &written(&mut unit)).expect("all bytes");
+    for unit in [&mut unit, &mut stored] {
+        let o = outputs(unit);
+        let moves = [&o.primary, &o.secondary].map(|of| [of.sheave_velocity, of.flow]);
+        assert_eq!((moves, o.losses.seals), ([[0.0; 2]; 2], 0.0));
+    }
+    assert!(run(&mut unit, &settings, 1e-3, 1e-3).primary.flow > 0.0);
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use pushbelt::variator::settings::{Inputs, Outputs};
-use pushbelt_fmi::unit::{Experiment, Remark, Unit};
+use pushbelt_fmi::unit::{Experiment, Message, Unit};
 
 use crate::settings::Settings;
 use crate::unit::MapUnit;
@@ -32,7 +32,7 @@ fn start(settings: &Settings) -> MapUnit {
 }
 
 /// A step to a time, s, with inputs that are held or change at `rates`.
-fn step(unit: &mut MapUnit, settings: &Settings, to: f64, rates: Option<Inputs>) -> Result<Vec<Remark>, String> {
+fn step(unit: &mut MapUnit, settings: &Settings, to: f64, rates: Option<Inputs>) -> Result<Vec<Message>, String> {
     let mut changing = settings.clone();
     changing.inputs = rates.unwrap_or(Inputs::ZERO);
     let mut remarks = Vec::new();

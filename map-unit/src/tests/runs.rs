@@ -15,7 +15,7 @@ fn the_variables_are_there() {
     let (all, units) = (table.variables(), table.units.len());
     let is_output = |one: &&Variable<_, _>| one.causality == Causality::Output;
     let outputs = all.iter().filter(is_output).count();
-    assert_eq!((all.len(), outputs, units), (74, 31, 16));
+    assert_eq!((all.len(), outputs, units), (77, 33, 17));
 }
 
 /// Why the settings can't be started.
@@ -185,4 +185,23 @@ fn an_input_ramps_over_the_whole_step_or_follows_its_derivative() {
     let mut rates = Inputs::ZERO;
     rates.primary.torque = 200.0;
     assert!((speed(70.0, None) - speed(50.0, Some(rates))).abs() < 1e-9);
+}
+
+/// A torque that the belt does not carry: a start without slip, with a warning, or with `initial.strict` an error.
+#[test]
+fn a_torque_beyond_capacity_is_a_warning_or_an_error() {
+    let mut settings = settings();
+    (settings.inputs.primary.torque, settings.inputs.secondary.torque) = (400.0, -400.0);
+    for strict in [false, true] {
+        settings.parameters.initial.strict = strict;
+        let mut remarks = Vec::new();
+        let started = MapUnit::start(&settings, &Experiment::default(), &mut remarks);
+        let warned = remarks
+            .iter()
+            .filter(|remark| remark.text.contains("does not carry"))
+            .count();
+        let error = started.err();
+        assert_eq!((error.is_some(), warned), (strict, usize::from(!strict)));
+        assert!(error.is_none_or(|error| error.contains("does not carry") && error.contains("initial.strict")));
+    }
 }

@@ -19,7 +19,7 @@ from pushbelt import console
 from pushbelt.cli.options import add_material, add_set, add_variator, material, program, quantity
 from pushbelt.fmu.data import SAFETY_RANGE, parameter_set
 from pushbelt.fmu.start_values import checked
-from pushbelt.fmu.untrusted import described
+from pushbelt.fmu.unit import belt_described
 from pushbelt.points import SteadyStateError
 from pushbelt.steel import Material, check_ranges
 from pushbelt.variator import Variator
@@ -108,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.ratio is not None and not 1.0 / belt.reach <= options.ratio <= belt.reach:
         ends = f"the stops at {1e3 * belt.dimensions.min_radius:g} and {1e3 * belt.max_radius:g} mm"
         raise BeltError(f"ratio {options.ratio:g} is out of reach: {ends} allow {1.0 / belt.reach:.3f} to {belt.reach:.3f}")
-    variables = {variable.name: variable for variable in described(options.fmu).modelVariables}
+    variables = {variable.name: variable for variable in belt_described(options.fmu).modelVariables}
     changes = checked(variables, dict(options.set), {"parameter"})
     document = belt.document(options.name, options.variator, parameter_set(options.variator), changes)
     for name, entry in document["parameters"].items():

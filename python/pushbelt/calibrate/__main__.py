@@ -14,7 +14,7 @@ With the columns series and time, each series is a recorded shift and its rows a
 A solution takes 0.02 to 0.03 s of processor time per point, and a fit takes about four solutions per point and parameter, and ten more.
 A speed ratio takes three solutions, a shift rate about five times as long.
 
---hold-out SET scores a parameter set on the table instead, beside the default one.
+--hold-out SET scores a parameter set on the table instead, beside that of --variator; --set holds for both.
 
 Exit codes: 0 the model fits, 1 an error, 3 it does not fit (all files are written).
 """
@@ -32,15 +32,19 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_reading, add_set, add_variator, count, program, reading
+from pushbelt.errors import require
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
-from pushbelt.fmu.untrusted import described
+from pushbelt.fmu.unit import belt_described
 from pushbelt.tables import columns, points
 from pushbelt.tables.sheet import TableError
+from pushbelt.tables.units import FOOT, POUND
 
 from . import parameters
 
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+SUSPECT = 1.5  # Root mean square of the residuals, in standard deviations, above which torques in lb·ft are tried
 MISFIT = 3  # Exit code of a bad fit
 ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
 SOLUTION = 0.03  # Processor time of a steady state, s
@@ -64,8 +68,7 @@ def limits(text: str) -> tuple[str, tuple[float, float]]:
 
 def prior(text: str) -> tuple[str, tuple[float, float]]:
     """`name=value±sd`."""
-    number = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
-    found = re.fullmatch(rf"(.+?)=\s*({number})\s*(?:±|\+/?-)\s*({number})\s*", text)
+    found = re.fullmatch(rf"(.+?)=\s*({NUMBER})\s*(?:±|\+/?-)\s*({NUMBER})\s*", text)
     if not found or not 0.0 < float(found[3]) < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is not of the form name=value±sd, with sd above 0")
     return found[1], (float(found[2]), float(found[3]))
@@ -101,21 +104,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if options.table is None:
         raise TableError("a table is required; --template FILE writes an example")
+    changes = _changes(options)
+    sets = dict.fromkeys(name for name in (options.hold_out, options.variator) if name is not None)
+    given = {name: {**parameter_set(name), **changes} for name in sets}
     try:
-        # Cylinders are those of the parameter set and of --set; the geometry is that of `bench168`, the FMU's default, unless they have one.
-        fixed = {**parameter_set("bench168"), **parameter_set(options.variator), **dict(options.set)}
-        rig = points.read(options.table, reading(options), fixed)
+        # Cylinders are those of the first set and of --set; the geometry is that of `bench168`, the FMU's default, unless they have one.
+        rig = points.read(options.table, reading(options), {**parameter_set("bench168"), **next(iter(given.values()))})
     except TableError as error:
         # The faults come after what is understood in spite of them.
         if options.check and error.found is not None:
             print("\n".join(points.described(error.found)))
         raise
     if options.hold_out is not None and not options.check:
-        # Imported here, so that the help needs no packages of the extras.
+        require("tables")  # The help needs no packages of the extras.
         from . import report
 
         begin = time.perf_counter()
-        for score in report.hold_out(options.fmu or default_fmu(), rig, options.hold_out, options.workers, options.output):
+        belt_described(fmu := options.fmu or default_fmu())
+        for score in report.hold_out(fmu, rig, given, options.workers, options.output):
             print(f"  {report.sentence_of_score(score)}")
         print(f"{(options.output / 'report.html').resolve()} ({time.perf_counter() - begin:.0f} s)")
         return 0
@@ -124,6 +130,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _run(options, rig)
     print("\n".join([*points.understood(rig), f"  {_effort(rig, len(options.fit), options.workers)}"]))
     return 0
+
+
+def _changes(options: argparse.Namespace) -> dict[str, float]:
+    """Values of --set. Without an FMU, which --check does not need, only numbers."""
+    changes = dict(options.set)
+    if options.fmu is not None:
+        return checked({variable.name: variable for variable in belt_described(options.fmu).modelVariables}, changes, {"parameter"})
+    return {name: float(value) for name, value in changes.items() if re.fullmatch(NUMBER, value)}
 
 
 def once(rig: points.Rig) -> points.Rig:
@@ -141,14 +155,18 @@ def once(rig: points.Rig) -> points.Rig:
 
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
     """Number of points, and the time that a fit takes."""
-    costs = (
+    seconds = sets(parameters) * SOLUTION * cost(rig) / workers
+    text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
+    return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
+
+
+def cost(rig: points.Rig) -> float:
+    """Cost of a solution of all points, in steady states."""
+    return sum(
         SAMPLE_COST * len(point.measured) if point.samples
         else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
         for point in rig.points
     )  # fmt: skip
-    seconds = sets(parameters) * SOLUTION * sum(costs) / workers
-    text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
-    return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
 
 
 def sets(parameters: int) -> int:
@@ -157,20 +175,28 @@ def sets(parameters: int) -> int:
 
 
 def _run(options: argparse.Namespace, rig: points.Rig) -> int:
-    # Imported here, so that the help needs no packages of the extras.
+    require("tables")  # The help needs no packages of the extras.
     from . import model, report
     from .fit import fit
 
     fmu = options.fmu or default_fmu()
-    description = described(fmu)
+    description = belt_described(fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
     begin = time.perf_counter()
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
-    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * len(rig.points)) as opened:
+    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * cost(rig)) as opened:
         found = fit(opened, chosen)
+        if found.rms[1] > SUSPECT and not rig.recorded:
+            # A torque in another unit of the same size is fitted by a friction of another size, but not as well.
+            other = model.Model([replace(point, torque=POUND * FOOT * point.torque) for point in rig.points], opened.solve)
+            other.most_solves = opened.most_solves
+            if (rms := fit(other, chosen).rms[1]) < 0.5 * found.rms[1]:
+                text = f"torques in lb.ft leave {rms:.3g} standard deviations in place of {found.rms[1]:.3g}"
+                text += f': --map "{rig.sheet.title("primary.torque")}=primary.torque [lb.ft]"'
+                found = found._replace(misfit=text)
     about = (time.perf_counter() - begin, points.notes(rig.sheet))
     results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)

@@ -97,6 +97,10 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
     place, states = _carrying(model, parameters, start, list(before))
     if all(found.reason is not None for found in states):
         raise FitError(f"no point has a steady state at the start values: {states[0].reason}")
+    if model.exhausted:
+        lost = [found.reason for found in states if found.reason is not None]
+        why = f"{len(lost)} of {len(states)} points have no steady state near the start values: {lost[0] if lost else ''}"
+        raise FitError(f"{why}. Are forces and torques in the units of the table, or in pounds?")
     search = Search(model, parameters, place, states)
     # Directions that the data hardly see take most steps of a search, so their parameters wait until the others are fitted.
     waiting, again = _weak(search.slopes), True
@@ -135,7 +139,10 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
     first, last, of_all = _rms(at_start[kept]), _rms(at_end[kept]), _rms(at_end)
     left = len(kept) - np.isfinite(at_end[kept]).sum()
     misfit = None
-    if left > LOST_SHARE * len(kept):
+    if search.model.exhausted and not search.converged:
+        misfit = f"the search ended after {search.model.solves} solutions: {sum(found.reason is not None for found in search.states)} of "
+        misfit += f"{len(search.states)} points have no steady state"
+    elif left > LOST_SHARE * len(kept):
         misfit = f"{left} of {len(kept)} values are outliers or at points without a steady state"
     elif last > MISFIT:
         misfit = f"the root mean square of the residuals is {last:.3g} standard deviations, above {MISFIT:g}"
@@ -154,7 +161,7 @@ def _carrying(model: Model, parameters: Sequence[Parameter], start: Array, state
     """Initial coordinates and states. The friction is raised as long as this brings the model closer to the measurements."""
     place = start
     friction = next((k for k, parameter in enumerate(parameters) if parameter.name == "friction.pulley"), None)
-    while friction is not None and any(found.reason is not None for found in states):
+    while friction is not None and any(found.reason is not None for found in states) and not model.exhausted:
         higher = place.copy()
         higher[friction] *= RAISE
         if higher[friction] > parameters[friction].bounds[1]:
@@ -303,7 +310,7 @@ class Search:
         self._robust = robust
         free, every = list(free), sorted({*free, *waiting})
         reach, jacobians, confirmed, self.converged = REACH[0], 0, False, False
-        while self.evaluations < MOST_EVALUATIONS:
+        while self.evaluations < MOST_EVALUATIONS and not self.model.exhausted:
             total = self._loss(self.residuals)
             step, expected = self._step(free, reach)
             # A lost point is constant, and does not make the search coarse.

@@ -31,6 +31,7 @@ FAR = 10.0  # Upper limit of a residual in the comparison of start points, in st
 OUTSTANDING = 3.0
 """A one-sided slope above this multiple of the upper quartile of its quantity is checked by a step to the other side."""
 CONTRADICTION = 0.5  # One-sided slopes contradict each other if they differ by more than this share of the larger one
+LONGEST = 2.5  # Number of solutions after which a search ends, in expected ones
 CHUNK = 6  # Number of points per job of a process
 
 
@@ -50,16 +51,24 @@ class Model:
         """A row for each measured value, SI, in the order of the table: its point, and standard deviation `sd`."""
         self.deviations = self.values["sd"].to_numpy()
         self.solves = 0  # Number of steady states and recorded shifts solved so far
+        self.most_solves = np.inf  # Number of them after which a search ends
+        self._last = 0  # Number of those of all points with one set of values
 
     def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
         """Results of the model at all points, for several sets of values."""
         found, count = self._count([(values, point) for values in assignments for point in self.points]), len(self.points)
+        self._last = sum(one.solves for one in found[-count:])
         # The slip of the last set of values is a good estimate for the next one.
         self.points = tuple(
             replace(point, slip=one.values.get("slip", point.slip)) if point.speed_ratio is not None else point
             for point, one in zip(self.points, found[-count:], strict=True)
         )
         return [found[k * count : (k + 1) * count] for k in range(len(assignments))]
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether another solution of all points would take too long."""
+        return self.solves + self._last > self.most_solves
 
     def _count(self, jobs: Sequence[Job]) -> list[Found]:
         found = self.solve(jobs) if jobs else []
@@ -174,7 +183,7 @@ def score(rows: pd.DataFrame, quantity: str, variator: str = "") -> Score:
 
 
 @contextmanager
-def opened(fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], workers: int, expected: int) -> Iterator[Model]:
+def opened(fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], workers: int, expected: float) -> Iterator[Model]:
     """A model whose points are solved in parallel processes. A bar shows how many of the expected ones are solved."""
     with Archive.unpack(fmu) as archive, progress_bar(expected, "steady states") as bar, worker_pool(workers) as run:
 
@@ -187,5 +196,7 @@ def opened(fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], 
             calls: list[Call] = [(solve_all, (fmu, archive.directory, dict(parameters), chunk)) for chunk in chunks]
             return [state for chunk in run(calls, update) for state in chunk]
 
-        yield Model(points, solve)
+        model = Model(points, solve)
+        model.most_solves = LONGEST * expected
+        yield model
         bar.total = bar.n

@@ -1,4 +1,4 @@
-"""Reports and files: of a calibration, and of a parameter set on a table that it was not fitted to, beside the default set."""
+"""Reports and files: of a calibration, and of a parameter set on a table that it was not fitted to, beside another set."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from pushbelt import tables
-from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.untrusted import described
 from pushbelt.report import page
@@ -39,7 +38,6 @@ Sets = Mapping[str, pd.DataFrame]
 Text = Callable[[Any], str]
 _brief = partial(plain, digits=3)
 WORST = 10  # Number of values with the largest residuals in the list
-DEFAULT = "bench168"
 short = partial(plain, digits=4, none="–")
 SCORES = ("quantity", "variator", "values", "lost values", "rms [SI]", "bias [SI]", "rms/sd [1]", "explained share [1]")
 
@@ -224,13 +222,12 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
 # Hold-out
 
 
-def hold_out(fmu: Path, rig: Rig, variator: str, workers: int, folder: Path) -> list[Score]:
-    """Scores of a set on a table, and of the default one if it is another, by quantity and set. Writes report.html, holdout.csv,
-    holdout.json and residuals.csv. Raises the errors of the parameter set."""
-    parameters = {name: parameter_set(name) for name in dict.fromkeys((variator, DEFAULT))}
+def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]], workers: int, folder: Path) -> list[Score]:
+    """Scores of sets by name on a table, by quantity and set: the first one, and those for comparison. Writes report.html, holdout.csv,
+    holdout.json and residuals.csv."""
     with model.opened(fmu, {}, rig.points, workers, len(parameters) * len(rig.points)) as opened:
         sets = dict(zip(parameters, map(opened.rows, opened.states(list(parameters.values()))), strict=True))
-    first = sets[variator]
+    first = next(iter(sets.values()))
     scores = [score(own, quantity, name) for quantity in quantities(first) for name, own in sets.items()]
     folder.mkdir(parents=True, exist_ok=True)
     tables.write(folder / "holdout.csv", SCORES, scores)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import fmpy
 
+from pushbelt.fmu import capacity
 from pushbelt.fmu.enumerations import Axial, StartState
 from pushbelt.fmu.steady import SteadyStates, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance, UnitError
@@ -28,6 +29,9 @@ RATIO_TOLERANCE, CORRECTED, MOST_SOLVES = 1e-8, 1e-6, 10
 """Relative tolerances of the speed ratio at the first estimate of the slip and after a correction, and largest number of steady states
 in the search. A correction leaves about a fiftieth of the error, so differences over small steps remain accurate to some per cent."""
 
+LOST_SOLVES = 20
+"""Cost of a point without a steady state, in steady states: the search for the torque that it carries takes 0.3 to 1 s."""
+
 Job = tuple[Mapping[str, float], Point]  # Values of the fitted variables, and a point
 _open: dict[Path, SteadyStates] = {}  # Instances in this process, by unpacked FMU
 RECORD_INPUTS = ("primary.torque", "primary.clampingForce", "secondary.clampingForce", "secondary.speedSetpoint")
@@ -40,7 +44,7 @@ class Found(NamedTuple):
     values: Mapping[str, float]  # Model values by quantity; empty without a steady state
     reason: str | None = None  # Reason why there is no steady state
     missing: float = 0.0  # Without a steady state 1 plus the share of the torque that the belt does not carry
-    solves: int = 1  # Number of steady states that were solved
+    solves: int = 1  # Number of steady states that were solved, or their cost
 
 
 def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs: Sequence[Job]) -> list[Found]:
@@ -71,6 +75,9 @@ def _started(
     sheave is held at the ratio, or in a shift moves under its force."""
     # The forces of a point are whole: cylinders are in them.
     own = {name: value for name, value in parameters.items() if ".cylinder." not in name} | {"initial.equilibrium": False}
+    if primary_force is None and (why := capacity.shortfall(own, ratio, point.torque, point.force)):
+        # This capacity is that of the secondary pulley. The primary one carries at least about half of it.
+        return Found({}, f"no steady state: {why}", 2.0 - 0.5 * capacity.torque_capacity(own, ratio, point.force) / abs(point.torque))
     values = driven_by_torque(own, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
     if primary_force is not None:
         values |= {"primary.axial": Axial.FORCE, "primary.clampingForce": primary_force, "primary.inertia": SHIFT_INERTIA}
@@ -80,7 +87,7 @@ def _started(
     carried = 0.0
     if unit.get("initial.found") == StartState.REDUCED_TORQUE and point.torque:
         carried = min(max(-unit.get("primary.shaftTorque") / point.torque, 0.0), 1.0)
-    return Found({}, unit.not_steady, 2.0 - carried)
+    return Found({}, unit.not_steady, 2.0 - carried, LOST_SOLVES)
 
 
 def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float | None = None) -> Found:

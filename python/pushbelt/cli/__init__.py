@@ -53,6 +53,7 @@ def parser() -> argparse.ArgumentParser:
     fmu.add_argument("--ssv", type=Path, metavar="SET.ssv", help="applied next, a parameter set: System Structure Parameter Values 1.0")
     text = "flat names, such as primary_torque instead of primary.torque, for tools that read a dot as a bus or a record; "
     fmu.add_argument("--flat", action="store_true", help=text + "--set and --ssv have the names with dots")
+    fmu.add_argument("--fmi3", action="store_true", help="for FMI 3.0 instead of 2.0")
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
     maps = command("map-fmu", "write_map_fmu", "write an FMU of a variator from maps")
     maps.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
@@ -60,6 +61,7 @@ def parser() -> argparse.ArgumentParser:
     maps.add_argument("--variator", metavar="NAME", help=f"solve for the maps of a {options.VARIATOR}, in 4 minutes of processor time")
     options.add_short(maps, "with --variator, 12 lines of steady states instead of 84")
     options.add_set(maps, "start value")
+    maps.add_argument("--fmi3", action="store_true", help="for FMI 3.0 instead of 2.0")
     maps.add_argument("--fmu", type=Path, help="FMU of maps to copy [default: PushbeltMap.fmu of the package]")
     cache = command("cache", "show_cache", "show the folder of unpacked FMUs and its size")
     cache.add_argument("--clear", action="store_true", help="remove them")

@@ -7,12 +7,13 @@ import shutil
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-from ..errors import ArgumentError, similar
+from ..errors import ArgumentError, require, similar
 from ..fmu import cache, flat, start_values
 from ..fmu.data import parameter_set
-from ..fmu.files import DOCS, default_fmu
+from ..fmu.files import DOCS, default_fmu, found
 from ..fmu.unit import Archive, Instance, UnitError
 from ..fmu.untrusted import described
 from ..maps import unit as map_unit
@@ -22,13 +23,15 @@ from ..maps.data import Maps
 def write_fmu(options: argparse.Namespace) -> int:
     """`pushbelt fmu`: checks the values against the variable table and on the FMU itself, and writes the copy."""
     _check_name(options.copy)
-    fmu = options.fmu or default_fmu()
+    fmu = options.fmu or (found("PUSHBELT_FMU3", "PushbeltVariator3.fmu", "cargo fmu build --fmi3") if options.fmi3 else default_fmu())
+    _check_version(fmu, options)
     if options.flat and not (options.set or options.variator or options.ssv):
         described(fmu)
         flat.write_copy(fmu, options.copy)
         print(f"{options.copy.resolve()} (flat names)")
         return 0
-    archive = cache.unpacked(fmu)
+    # Values for FMI 3.0 are tried on the FMU of FMI 2.0, which has the same library and variables.
+    archive = cache.unpacked(default_fmu() if described(fmu).fmiVersion == "3.0" else fmu)
     if archive.description.variableNamingConvention == "flat":
         raise ArgumentError(f"{fmu} has flat names: write its start values together with --flat into a copy of the original")
     given: dict[str, Any] = parameter_set(options.variator) if options.variator else {}
@@ -42,6 +45,14 @@ def write_fmu(options: argparse.Namespace) -> int:
         flat.write_copy(options.copy, options.copy)
     _print(options.copy, remarks, f" ({len(values)} start values{', flat names' if options.flat else ''})")
     return 0
+
+
+def _check_version(fmu: Path, options: argparse.Namespace) -> Any:
+    """The model description of an FMU. Raises ArgumentError if it is not of FMI 3.0 where that is wanted."""
+    description = described(fmu)
+    if options.fmi3 and description.fmiVersion != "3.0":
+        raise ArgumentError(f"--fmi3: {fmu} is of FMI {description.fmiVersion}")
+    return description
 
 
 def _check_name(copy: Path) -> None:
@@ -72,17 +83,23 @@ def write_map_fmu(options: argparse.Namespace) -> int:
         raise ArgumentError("--maps and --variator exclude each other: a file of maps has its variator's parameters")
     if options.short and not options.variator:
         raise ArgumentError("--short is for maps that are solved for: it needs --variator")
+    packed = ("PUSHBELT_MAP_FMU3", "PushbeltMap3.fmu", "cargo fmu build --map --fmi3")
+    fmu = options.fmu or (found(*packed) if options.fmi3 else map_unit.default_fmu())
+    description = _check_version(fmu, options)
+    if all(one.name != "map.outside" for one in description.modelVariables):
+        raise ArgumentError(f"{fmu} is no FMU of maps such as PushbeltMap.fmu")
+    # Maps for FMI 3.0 are tried in the FMU of FMI 2.0.
+    tried = map_unit.default_fmu() if description.fmiVersion == "3.0" else fmu
     if options.variator:
+        require("sweep")
         maps: Maps | bytes = _solved_maps(options.variator, options.copy.parent, short=options.short)
     else:
         maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
-    map_unit.write_fmu(options.copy, maps, options.fmu, dict(options.set))
-    with Archive.unpack(options.copy) as archive:
-        try:
+    with TemporaryDirectory() as folder:
+        map_unit.write_fmu(trial := Path(folder) / "trial.fmu", maps, tried, dict(options.set))
+        with Archive.unpack(trial) as archive:
             remarks = _tried(archive, {}, "maps or values")
-        except ArgumentError:
-            options.copy.unlink()
-            raise
+    map_unit.write_fmu(options.copy, maps, fmu, dict(options.set))
     _print(options.copy, remarks)
     return 0
 

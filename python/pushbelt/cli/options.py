@@ -40,7 +40,7 @@ def typed(name: str) -> str:
     """The words with which a user has started a program."""
     if command := os.environ.get(COMMAND):
         return shlex.join(shlex.split(command)[:3])
-    as_module = Path(sys.argv[0]).name == "__main__.py" and Path(sys.argv[0]).parent.name != "cli"
+    as_module = Path(sys.argv[0]).name == "__main__.py" and Path(sys.argv[0]).parent.name != "pushbelt"
     return f"python -m pushbelt.{name}" if as_module else f"pushbelt {name}"
 
 
@@ -107,6 +107,8 @@ def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     group.add_argument("--map", type=mapped, action="append", default=[], metavar="TITLE=NAME", help=text)
     group.add_argument("--decimal", choices=DECIMAL, metavar="SIGN", help="point or comma [default: what the whole file shows]")
     group.add_argument("--sheet", metavar="NAME", help="sheet of an .xlsx file [default: the one with most known columns]")
+    text = "of a text file, such as shift_jis, gbk, euc_kr or cp1251 [default: UTF-8, what its first bytes say, or cp1252]"
+    group.add_argument("--encoding", metavar="NAME", help=text)
     return group
 
 
@@ -114,7 +116,8 @@ def reading(options: argparse.Namespace) -> Reading:
     """Choices of the command line, of how a table is read."""
     from ..tables.sheet import Reading
 
-    return Reading(DECIMAL.get(options.decimal), dict(options.map), options.sheet, getattr(options, "as_written", False))
+    as_written = getattr(options, "as_written", False)
+    return Reading(DECIMAL.get(options.decimal), dict(options.map), options.sheet, options.encoding, as_written)
 
 
 def numbers(text: str) -> tuple[float, ...]:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_variator, program
+from pushbelt.errors import require
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
 
@@ -38,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         of = f"{len(pairs)} runs of the same name in " if options.a.is_dir() else ""
         print(f"{of}{options.a} and {options.b} are equal in all {len(wanted)} columns")
         return 0
-    # Imported here, so that the help needs no packages of the extras.
+    require("reports")  # The help needs no packages of the extras.
     from . import report
 
     path = report.write(pairs, options.output, options.variables, parameter_set(options.variator))

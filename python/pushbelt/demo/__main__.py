@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from pushbelt import console
 from pushbelt.cli.options import add_short, add_variator, program
+from pushbelt.errors import require
 
 
 @console.program("demo", "reports")
@@ -16,7 +17,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_short(parser, "three load cases and 1 s of the manoeuvre")
     add_variator(parser)
     options = parser.parse_args(arguments)
-    # Imported here, so that the help needs no packages of the extras.
+    require("reports")  # The help needs no packages of the extras.
     from . import events, report, simulate
 
     begin = time.perf_counter()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.fmu.data import curve_at, is_chain
+from pushbelt.fmu.data import curve_at, is_chain, manoeuvre_inputs
 from pushbelt.fmu.geometry import EDGE, Array
 from pushbelt.fmu.results import LoadCaseResult, Trace, intervals
 from pushbelt.report.page import Check
@@ -16,7 +16,9 @@ from pushbelt.report.style import RPM
 
 from .simulate import DemoResults
 
+SHIFT, STEPS, RECOVERY = "Shift to overdrive", "Torque steps", "Recovery"  # Names of events
 OVERLOAD = "Over-torque with macro-slip"  # Name of the event that the over-torque of the manoeuvre causes
+STEP = 20.0  # Least step of the primary torque, N·m
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ def launch(trace: Trace) -> Event:
 
 
 def shift(trace: Trace) -> Event:
-    name = "Shift to overdrive"
+    name = SHIFT
     ratio, time = trace["ratio.geometric"], trace.time
     through_one = np.flatnonzero((ratio[:-1] > 1.0) & (ratio[1:] <= 1.0))
     if not through_one.size:
@@ -80,7 +82,7 @@ def torque_steps(trace: Trace) -> list[Event]:
     """Steps of the primary torque that the belt carries."""
     events = []
     slipping = intervals(trace.time, trace["macroSlip"], gap=0.02)
-    for at, before, after in jumps(trace.time, trace["primary.externalTorque"], size=20.0):
+    for at, before, after in jumps(trace.time, trace["primary.externalTorque"], size=STEP):
         if any(start - 0.1 <= at <= end + 0.1 for start, end in slipping):
             continue
         window = _within(trace, at, at + 0.3)
@@ -89,7 +91,7 @@ def torque_steps(trace: Trace) -> list[Event]:
         utilisation = trace["torqueUtilisation"][window][-1]
         evidence = f"0.3 s later the belt carries {belt:.1f} N·m; slip from {first:.2f} to {last:.2f} %, utilisation {utilisation:.2f}"
         events.append(Event(f"Torque step {before:.0f} → {after:.0f} N·m", True, evidence, at))
-    return events or [Event("Torque steps", False, "no step of the primary torque above 20 N·m within 30 ms")]
+    return events or [Event(STEPS, False, f"no step of the primary torque above {STEP:g} N·m within 30 ms")]
 
 
 def over_torque(trace: Trace) -> list[Event]:
@@ -100,7 +102,7 @@ def over_torque(trace: Trace) -> list[Event]:
         utilisation = trace["torqueUtilisation"].max()
         return [
             Event(OVERLOAD, False, f"macroSlip is never true for 20 ms; utilisation {utilisation:.2f}"),
-            Event("Recovery", False, "no recovery, since there was no macro-slip"),
+            Event(RECOVERY, False, "no recovery, since there was no macro-slip"),
         ]
     overload = max(slipping, key=lambda one: np.abs(trace["primary.externalTorque"][_within(trace, *one)]).max())
     events = [_slipping(OVERLOAD if one == overload else "Additional macro-slip", trace, *one) for one in slipping]
@@ -120,7 +122,7 @@ def _slipping(name: str, trace: Trace, start: float, end: float) -> Event:
 
 
 def _recovery(trace: Trace, overload_end: float) -> Event:
-    name = "Recovery"
+    name = RECOVERY
     slip = np.abs(trace["slip"])
     if slip[-1] > 0.03 or trace["macroSlip"][-1] > 0.5:
         return Event(name, False, f"slip is still {100 * slip[-1]:.1f} % at the end")
@@ -132,9 +134,14 @@ def _recovery(trace: Trace, overload_end: float) -> Event:
 
 
 def detect(trace: Trace) -> list[Event]:
-    """All events. Those that occurred come first, in the order of time."""
+    """All events that the trace can contain. Those that occurred come first, in the order of time."""
+    inputs = manoeuvre_inputs()
+    torque, forces = inputs["primary.torque"], inputs["primary.clampingForce"] / inputs["secondary.clampingForce"]
+    causes = {SHIFT: np.diff(forces) != 0.0, OVERLOAD: torque == torque.max()}
+    starts = {name: inputs.time[np.argmax(cause)] for name, cause in causes.items()} | {STEPS: jumps(inputs.time, torque, STEP)[0][0]}
+    later = {name for name, start in (starts | {RECOVERY: starts[OVERLOAD]}).items() if start >= trace.time[-1]}
     events = [launch(trace), shift(trace), *torque_steps(trace), *over_torque(trace)]
-    return sorted(events, key=lambda event: (not event.occurred, event.start))
+    return sorted((event for event in events if event.occurred or event.name not in later), key=lambda event: (not event.occurred, event.start))
 
 
 # Checks
@@ -196,7 +203,7 @@ def _manoeuvre(trace: Trace) -> list[Check]:
     residual, bound, events = np.abs(trace["energy.residual"]), energy_bound(trace), detect(trace)
     missing = [event.name for event in events if not event.occurred]
     found = f"at most {100 * (residual / bound).max():.0f} % of the bound, {residual.max():.3g} J"
-    occurred = f"missing: {', '.join(missing)}" if missing else f"{len(events)} events"
+    occurred = f"missing: {', '.join(missing)}" if missing else f"{len(events)} within {trace.time[-1]:.0f} s"
     statement = "Energy residual of the manoeuvre stays within its bound at every output point"
     return [
         Check(statement, bool((residual <= bound).all()), found), Check("Every event of the manoeuvre occurs", not missing, occurred),

@@ -13,7 +13,7 @@ from pushbelt.fmu import load_cases
 from pushbelt.fmu.data import load_cases as all_load_cases
 from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.results import LoadCase, LoadCaseResult, Profile, Trace
-from pushbelt.fmu.unit import Archive, Instance, output_names
+from pushbelt.fmu.unit import Archive, Instance, belt_described, output_names
 from pushbelt.report.side_by_side import run_all as run_side_by_side
 from pushbelt.report.side_by_side import tick
 
@@ -81,6 +81,7 @@ def run_all(fmu: Path, variator: str, *, short: bool = False) -> DemoResults:
     parameters, inputs = parameter_set(variator), manoeuvre_inputs()
     cases = [case for case in all_load_cases(parameters) if not short or case.torque in SHORT_TORQUES]
     duration = SHORT_DURATION if short else float(inputs.time[-1])
+    belt_described(fmu)
     with Archive.unpack(fmu) as archive:
         # The manoeuvre starts first, because it takes longest and cannot be divided.
         calls = [(_manoeuvre, (archive, variator, inputs, duration)), *((_case, (archive, variator, case)) for case in cases)]

@@ -10,8 +10,10 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_ring, add_short, add_variator, program
+from pushbelt.errors import require
 
 from .cycle import CYCLES, CycleMissingError, wltc_class_3b
+from .vehicle import RANGES, demo_car
 
 
 def default_cycle() -> str:
@@ -28,8 +30,8 @@ def default_cycle() -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = program("drive", __doc__, "report.html and the results")
     add_short(parser, "30 s of the cycle and 10 s of close-up")
-    text = "which cycle [default: wltc, or nedc without the package wltp that contains the WLTC]"
-    parser.add_argument("--cycle", choices=list(CYCLES), help=text)
+    text = "which cycle; a file has the columns time [s] and speed [km/h] [default: wltc, or nedc without the package wltp of the WLTC]"
+    parser.add_argument("--cycle", metavar="wltc|nedc|FILE.csv", help=text)
     parser.add_argument("--until", type=float, metavar="SECONDS", help="simulate only the first seconds of the cycle")
     add_ring(parser)
     text = "factor on the secondary clamping force that both strategies demand [default: 1]"
@@ -37,16 +39,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_variator(parser)
     text = "maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
     parser.add_argument("--maps", type=Path, metavar="FILE", help=text)
+    for name, (_, _, unit) in RANGES.items():
+        shown = f"{name.replace('_', ' ')} of the car, {unit} [default: {getattr(demo_car(), name):g}]"
+        parser.add_argument(f"--{name.replace('_', '-')}", type=float, metavar="X", help=shown)
     options = parser.parse_args(arguments)
     if not 0.5 <= options.clamping <= 2.0:
         parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     if options.cycle is None:
         options.cycle = default_cycle()
-    # Imported here, so that the help needs no packages of the extras.
+    require("reports" if options.cycle in CYCLES else "tables")  # The help needs no packages of the extras.
     from . import report, runs
 
     given = {name: getattr(options, name) for name in ("ring", "variator", "clamping", "maps")}
-    plan = (runs.SHORT if options.short else runs.FULL)[options.cycle]
+    car = {name: value for name in RANGES if (value := getattr(options, name)) is not None}
+    plan = dataclasses.replace(runs.plan(options.cycle, options.short), car=demo_car(**car))
     end = plan.cycle[1] if options.until is None else plan.cycle[0] + options.until
     plan = dataclasses.replace(plan, cycle=(plan.cycle[0], end), **given)
     begin = time.perf_counter()

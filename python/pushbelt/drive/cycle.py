@@ -1,12 +1,13 @@
-"""The speed trace of a drive: WLTC class 3b (UN Global Technical Regulation No. 15), read from the package `wltp`, or NEDC."""
+"""The speed trace of a drive: WLTC class 3b (UN Global Technical Regulation No. 15), from the package `wltp`, NEDC, or a table of one's own."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import numpy as np
 
-from pushbelt.errors import ArgumentError, PushbeltError
+from pushbelt.errors import ArgumentError, MissingFileError, PushbeltError
 from pushbelt.fmu.geometry import Array
 
 from .piecewise import interpolate
@@ -77,5 +78,40 @@ def nedc() -> Cycle:
     return Cycle(np.array(list(places)), np.array(list(places.values()), dtype=float) / 3.6)
 
 
+def of_file(path: Path) -> Cycle:
+    """A cycle from a table with the columns `time` and `speed [km/h]`. Raises ArgumentError, TableError or OSError if it cannot be used."""
+    # Imported here, since units of a co-simulation have no tables.
+    from pushbelt.tables import sheet as sheets
+    from pushbelt.tables.names import Column
+
+    columns = {
+        "time": Column("time", 0.0, 1e5, "time", ("t", "Zeit"), "s"),
+        "speed": Column("velocity", 0.0, 100.0, "speed of the car", ("v", "car speed", "vehicle speed", "Geschwindigkeit")),
+    }
+    sheet = sheets.read(path, columns)
+    sheet.check()
+    if missing := [f"{name} ({one.meaning})" for name, one in columns.items() if name not in sheet.taken]:
+        raise ArgumentError(f"{path} has no column {' and no column '.join(missing)}, such as speed [km/h]")
+    time, speed = sheet.values["time"], sheet.values["speed"]
+    empty = np.isnan(time) | np.isnan(speed)
+    wrong = empty | (np.diff(time, prepend=-1.0) <= 0.0) | ((np.arange(len(time)) == 0) & (time != 0.0))
+    if sheet.left_out or wrong.any():
+        row = int(np.argmax(wrong))
+        what = f"time {time[row]:g} s, speed {speed[row]:g} m/s: times ascend from 0, and no cell is empty" if wrong.any() else ""
+        raise ArgumentError(f"{path}, {sheet.left_out[0] if sheet.left_out else f'line {sheet.lines[row]}: {what}'}")
+    if not speed.any() or speed[0]:
+        raise ArgumentError(f"{path}: the car {'moves at 0 s' if speed.any() else 'never moves'}; a cycle starts at standstill")
+    return Cycle(time, speed)
+
+
 CYCLES: Mapping[str, tuple[str, Callable[[], Cycle]]] = {"wltc": ("WLTC class 3b", wltc_class_3b), "nedc": ("NEDC", nedc)}
 """Title and table by the name on the command line."""
+
+
+def titled(trace: str) -> tuple[str, Cycle]:
+    """Title and speed trace by a name in `CYCLES`, or of a file."""
+    if trace in CYCLES:
+        return CYCLES[trace][0], CYCLES[trace][1]()
+    if not Path(trace).is_file():
+        raise MissingFileError(f"no cycle and no file {trace}: cycles are {' and '.join(CYCLES)}, or a table of time [s] and speed [km/h]")
+    return Path(trace).name, of_file(Path(trace))

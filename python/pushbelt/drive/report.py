@@ -22,7 +22,6 @@ from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIO
 from .runs import LOW_FRICTION, Results
 from .simulate import LOSSES, OF_STEPS, STEP, Run
 from .thrust_map import FORCE, ThrustMap
-from .vehicle import demo_car
 
 PULLEYS = ("primary", "secondary")
 TIME = "time in the cycle (s)"
@@ -178,10 +177,10 @@ def ratio_error(run: Run) -> float:
     return float(np.sqrt(np.mean(squares))) if squares.size else 0.0
 
 
-def balance_gap(run: Run) -> float:
+def balance_gap(run: Run, inertia: float) -> float:
     """Net work of the engine minus all losses and the change of stored energy, J. The FMU's stored energy includes the car; the
-    engine's flywheel is added. The work of the clamping forces is small and not subtracted."""
-    energies, inertia = run.energies(), demo_car().engine_inertia
+    engine's flywheel, `inertia`, is added. The work of the clamping forces is small and not subtracted."""
+    energies = run.energies()
     stored = run["stored.energy"] + 0.5 * inertia * run["engine.speed"] ** 2
     spent = sum(energies[part] for part in ("variator", "launch clutch", "road load", "brakes"))
     return energies["engine, driving"] - energies["engine, braking"] - spent - float(stored[-1] - stored[0])
@@ -192,21 +191,25 @@ def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
     Energies are those since the start of the run."""
     every = round(CSV_STEP / STEP)
     energies = {name: np.cumsum(run[name]) - run[name] for name in OF_STEPS}
-    table = np.column_stack([run.time, *{**run.columns, **energies}.values()])[::every]
-    tables.write(path, ["time [s]", *tables.titles(run.columns, units)], table.tolist(), digits=7)
+    columns = {name: column for name, column in {**run.columns, **energies}.items() if not np.isnan(column).all()}
+    table = np.column_stack([run.time, *columns.values()])[::every]
+    tables.write(path, ["time [s]", *tables.titles(columns, units)], table.tolist(), digits=7)
 
 
 def write_html(results: Results, path: Path) -> None:
     parameters = parameter_set(results.plan.variator)
-    fixed, slip, close_up, *slippery = results.runs
-    motion, title = belt_over_time(slip, parameters), "The belt on its pulleys during the drive"
-    belt = belt_view(motion, parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
+    named = {run.setup.name: run for run in results.runs}
+    fixed, slip, *_, safe, controlled = results.runs
+    close_up, belt = named.get("close-up"), ""
+    if slip.snapshots:
+        motion, title = belt_over_time(slip, parameters), "The belt on its pulleys during the drive"
+        belt = belt_view(motion, parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
     context = {
-        "version": results.version, "plan": results.plan, "car": demo_car(),
+        "version": results.version, "plan": results.plan, "car": results.plan.car,
         "rows": [
             {
                 "run": run, "energies": run.energies(), "speed": speed_error(run), "ratio": ratio_error(run),
-                "macro": STEP * float(run["macroSlip"].sum()), "gap": balance_gap(run), "merit": merit(run),
+                "macro": STEP * float(run["macroSlip"].sum()), "gap": balance_gap(run, results.plan.car.engine_inertia), "merit": merit(run),
             }
             for run in results.runs
         ],
@@ -216,8 +219,8 @@ def write_html(results: Results, path: Path) -> None:
         "pump": Pump(), "map_force": FORCE, "step": STEP, "low_friction": LOW_FRICTION,
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
         "pictures": {
-            "belt": belt, "drive": drive(slip, GROUP), "close_up": drive(close_up), "savings": savings(fixed, slip),
-            "energy": energy_shares(fixed, slip), "low_friction": low_friction(*slippery),
+            "belt": belt, "drive": drive(slip, GROUP), "close_up": drive(close_up) if close_up else "", "savings": savings(fixed, slip),
+            "energy": energy_shares(fixed, slip), "low_friction": low_friction(safe, controlled),
             "map": operating_points(results.thrust_map, slip),
         },
     }  # fmt: skip

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from pushbelt.fmu.unit import Archive
+import numpy as np
+
+from pushbelt.fmu.files import default_fmu
+from pushbelt.fmu.unit import Archive, refuse_others
 from pushbelt.maps.data import Maps
 from pushbelt.report import side_by_side
 from pushbelt.report.side_by_side import tick
 
 from . import simulate
-from .cycle import CYCLES
+from .cycle import CYCLES, titled
 from .measure import measure
 from .simulate import Run, Setup
 from .thrust_map import ThrustMap
-from .vehicle import demo_car
+from .vehicle import Car, demo_car
 
 LOW_FRICTION = 0.7  # Friction in the runs with low friction, relative to the coefficient that the controllers assume
 
@@ -36,23 +39,25 @@ class Plan:
     ring: str = "ALE"  # Ring model of the runs on the coarse mesh
     low_friction: tuple[float, float] = (10.0, 20.0)
     """Section for both strategies with less friction than they assume, s."""
-    trace: str = "wltc"  # The cycle, a name in `CYCLES`
+    trace: str = "wltc"  # The cycle, a name in `CYCLES` or a file
+    car: Car = field(default_factory=demo_car)
     variator: str = simulate.VARIATOR  # Name or file of the parameter set
     clamping: float = 1.0  # Factor on the secondary clamping force that the strategies demand
     maps: Path | None = None  # File of maps from which the controllers take their map; None to measure it on the FMU
 
     @property
     def title(self) -> str:
-        return CYCLES[self.trace][0]
+        return CYCLES[self.trace][0] if self.trace in CYCLES else Path(self.trace).name
 
-    def setups(self) -> tuple[Setup, ...]:
-        """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction."""
-        whole = CYCLES[self.trace][1]()
+    def setups(self, belt: bool = True) -> tuple[Setup, ...]:
+        """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction. A variator from maps has no
+        `belt` to look at closely."""
+        whole = titled(self.trace)[1]
         cycle, slippery = whole.section(*self.cycle), whole.section(*self.low_friction)
         setups = (
             Setup("fixed safety factor", "safety", cycle, self.ring, "coarse"),
-            Setup("slip control", "slip", cycle, self.ring, "coarse", moments(*self.cycle)),
-            Setup("close-up", "slip", whole.section(*self.close_up), "ALE", "default"),
+            Setup("slip control", "slip", cycle, self.ring, "coarse", moments(*self.cycle) if belt else ()),
+            *[Setup("close-up", "slip", whole.section(*self.close_up), "ALE", "default")] * belt,
             *(Setup(f"low friction, {strategy}", strategy, slippery, friction=LOW_FRICTION) for strategy in ("safety", "slip")),
         )
         return tuple(replace(setup, variator=self.variator, clamping=self.clamping) for setup in setups)
@@ -61,6 +66,17 @@ class Plan:
 FULL = {"wltc": Plan((0.0, 1800.0), (1478.0, 1598.0)), "nedc": Plan((0.0, 1180.0), (780.0, 900.0), trace="nedc")}
 """The whole cycle; the first 120 s of its last part as close-up, with the launch and the largest torques."""
 SHORT = {"wltc": Plan((10.0, 40.0), (10.0, 20.0)), "nedc": Plan((10.0, 40.0), (10.0, 20.0), trace="nedc")}
+
+
+def plan(trace: str, short: bool = False) -> Plan:
+    """The plan of a cycle. That of a file begins where the car first moves, but for the whole cycle."""
+    if trace in CYCLES:
+        return (SHORT if short else FULL)[trace]
+    whole = titled(trace)[1]
+    end = round(whole.duration // simulate.STEP * simulate.STEP, 9)
+    start = float(np.floor(whole.time[np.argmax(whole.speed > 0.0) - 1]))
+    section, close_up, low_friction = ((start, min(start + length, end)) for length in (30.0, 10.0 if short else 120.0, 10.0))
+    return Plan(section if short else (0.0, end), close_up, low_friction=low_friction, trace=trace)
 
 
 @dataclass(frozen=True)
@@ -72,18 +88,22 @@ class Results:
     runs: Sequence[Run]  # In the order of `Plan.setups`
 
 
-def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
-    return simulate.run(archive, demo_car(), table, setup, tick)
+def _work(archive: Archive, car: Car, table: ThrustMap, setup: Setup) -> Run:
+    return simulate.run(archive, car, table, setup, tick)
 
 
 def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
-    """Runs a plan with an FMU; the controllers' maps are stored in the folder `cache`."""
-    setups = plan.setups()
+    """Runs a plan with an FMU of the belt or of maps; the controllers' maps are stored in the folder `cache`."""
     with Archive.unpack(fmu) as archive:
-        maps = {ring: _map(fmu, plan, ring, cache) for ring in {setup.ring for setup in setups}}
-        calls = [(_work, (archive, maps[setup.ring], setup)) for setup in setups]
+        refuse_others(fmu, archive.description)
+        belt = "ring.model" in archive.variables
+        setups = plan.setups(belt)
+        # An FMU of maps has no shift rates to measure: its belt is that of the package's FMU.
+        maps = {ring: _map(fmu if belt else default_fmu(), plan, ring, cache) for ring in {setup.ring for setup in setups}}
+        calls = [(_work, (archive, plan.car, maps[setup.ring], setup)) for setup in setups]
         done = side_by_side.run_all(calls, round(sum(setup.cycle.duration for setup in setups)), "driving", len(setups))
-        return Results(plan, archive.version, {**archive.units, **simulate.SIGNALS}, maps[plan.ring], done)
+        units = {**dict.fromkeys(map("loss.{}".format, simulate.LOSSES), "W"), **archive.units, **simulate.SIGNALS}
+        return Results(plan, archive.version, units, maps[plan.ring], done)
 
 
 def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:

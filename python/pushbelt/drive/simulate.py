@@ -150,7 +150,7 @@ def _advance(
     for k in range(count):
         time = k * step
         state = dict(zip(outputs.names, unit.get_reals(outputs).tolist(), strict=True))
-        state["macroSlip"] = unit.get("macroSlip")
+        state |= {"macroSlip": unit.get("macroSlip"), **_rest(state)}
         earlier = signals
         driving = car.advance(time, state["primary.speed"], state["secondary.speed"], state["ratio.geometric"], step)
         known = earlier if setup.parallel else driving
@@ -175,6 +175,15 @@ def _advance(
             raise UnitError(f"{setup.name}, from {start + time:.2f} s on: {error}") from error
         progress(step)
     return rows, snapshots
+
+
+def _rest(state: Mapping[str, float]) -> dict[str, float]:
+    """Parts of the loss that a variator from maps does not have; `other` is what its total has beyond the rest."""
+    names = [f"loss.{part}" for part in LOSSES]
+    missing = dict.fromkeys((name for name in names if name not in state), 0.0)
+    if missing:
+        missing["loss.other"] = state["loss.total"] - sum(state.get(name, 0.0) for name in names)
+    return missing
 
 
 def at_rest() -> dict[str, float]:

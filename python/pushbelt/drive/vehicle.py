@@ -8,8 +8,9 @@ gets the mean clutch torque over the communication step, which conserves momentu
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import published_data
 
 from .cycle import Cycle
@@ -80,10 +81,23 @@ class Car:
         return clip(power / 110.0, 131.0, 0.9 * self.max_speed)
 
 
-def demo_car() -> Car:
+RANGES = {
+    "mass": (200.0, 2e4, "kg"), "drag_area": (0.0, 20.0, "m²"), "rolling_resistance": (0.0, 0.1, "1"), "wheel_radius": (0.1, 1.0, "m"),
+    "final_drive": (1.0, 20.0, "1"), "engine_inertia": (0.01, 2.0, "kg·m²"), "max_torque": (10.0, 1e3, "N·m"),
+    "max_power": (5e3, 5e5, "W"),
+}  # fmt: skip
+"""Ranges and units of a car of one's own."""
+
+
+def demo_car(**changes: float) -> Car:
+    """The car of `demoCar`, with other values. Raises ArgumentError for one out of its range."""
     names = "mass dragArea rollingResistance wheelRadius finalDrive engineInertia engineMaxTorque engineMaxPower".split()
     data = published_data()["demoCar"]
-    return Car(*(data[name] for name in names))
+    for name, value in changes.items():
+        low, high, unit = RANGES[name]
+        if not low <= value <= high:
+            raise ArgumentError(f"{name} of the car is {value:g} {unit}, not within {low:g} to {high:g} {unit}")
+    return replace(Car(*(data[name] for name in names)), **changes)
 
 
 class Powertrain:

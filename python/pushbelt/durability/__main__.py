@@ -12,8 +12,9 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
+from pushbelt.errors import require
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
-from pushbelt.fmu.untrusted import described
+from pushbelt.fmu.unit import belt_described
 
 from .table import DurabilityError, read
 
@@ -29,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--profile", action="store_true", help="count the cycles on profile.ringStress[…]")
     add_material(parser, "--safety")
     options = parser.parse_args(arguments)
-    # Imported here, so that the help needs no packages of the extras.
+    require("durability")  # The help needs no packages of the extras.
     from . import report
     from .damage import damage
 
@@ -55,7 +56,7 @@ def _files(path: Path) -> list[Path]:
 
 def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
     """Parameters of the variator by name: start values of the FMU, and above them those of the parameter set."""
-    started = [one for one in (described(fmu).modelVariables if fmu else ()) if one.causality == "parameter" and one.start is not None]
+    started = [one for one in (belt_described(fmu).modelVariables if fmu else ()) if one.causality == "parameter" and one.start is not None]
     values = {one.name: float(one.start) for one in started if one.type in ("Real", "Integer")}
     if variator is not None or fmu is None:
         values |= parameter_set(variator or "bench168")

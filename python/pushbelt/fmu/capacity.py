@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from .closing import closing_at
 from .data import curve_of, torque_capacity
 from .enumerations import Axial, Drive
 from .geometry import theta_of
@@ -18,12 +19,13 @@ BEYOND = 1.15
 """Ratio of torque and capacity above which a point is refused without solving it. Radial friction may raise the capacity by some percent."""
 DRAG = 1.0  # Torque that is carried in any case, N·m: drag of a shaft
 LARGE_FORCE = 300e3  # Largest clamping force that is chosen for a torque or may be meant, N. Variators for cars have up to 100 kN.
+LARGE_BAR = 200.0  # Largest pressure that may be meant, bar: that of the FMU
 BELT_SPEED = 60.0  # Speed of the belt above which a warning is issued, m/s. Belts of cars run at up to about 50 m/s.
 
 
 def shortfall(parameters: Mapping[str, Any], ratio: float, torque: float, force: float) -> str | None:
-    """Reason why the clamping force (N) cannot carry the primary torque (N·m), with a hint if a unit seems to be wrong; None if it may."""
-    carried = torque_capacity(parameters, ratio, force)
+    """Reason why the whole secondary force (N) cannot carry a primary torque (N·m), with a hint if a unit seems wrong; None if it may."""
+    carried = torque_capacity(parameters, ratio, max(force, 0.0))
     if abs(torque) <= BEYOND * carried + DRAG:
         return None
     return f"the capacity is {carried:.3g} N·m at {force:g} N" + wrong_unit(torque, force, carried)
@@ -32,15 +34,19 @@ def shortfall(parameters: Mapping[str, Any], ratio: float, torque: float, force:
 def slip_of_units(values: Mapping[str, Any]) -> str | None:
     """Reason and probable unit if the belt cannot carry the primary torque of start values under their secondary force, and a wrong unit
     explains it; None if they may be right."""
-    torque, force = values["primary.torque"], values["secondary.clampingForce"]
-    force += values.get("secondary.cylinder.area", 0.0) * values.get("secondary.pressure", 0.0)
+    torque, ratio, speed = (values[name] for name in ("primary.torque", "initial.ratio", "initial.primarySpeed"))
     if values["primary.drive"] != Drive.TORQUE or values["secondary.axial"] != Axial.FORCE or torque == 0.0:
         return None
-    carried = torque_capacity(values, values["initial.ratio"], force)
+    force = closing_at(values, "secondary", ratio, speed)
+    carried = torque_capacity(values, ratio, force)
     # The torque of a utilisation is small with the force, so a force that carries less than the drag of a shaft is one in kN as well.
     if abs(torque) <= BEYOND * carried + DRAG and carried > DRAG:
         return None
-    hint = wrong_unit(torque, force, carried)
+    given, pressure = values["secondary.clampingForce"], values.get("secondary.pressure", 0.0)
+    hint = wrong_unit(torque, given, torque_capacity(values, ratio, given)) or wrong_unit(torque, 0.0, carried)
+    in_bar = torque_capacity(values, ratio, closing_at({**values, "secondary.pressure": 1e5 * pressure}, "secondary", ratio, speed))
+    if 0.0 < pressure <= LARGE_BAR and abs(torque) <= BEYOND * in_bar:
+        hint = f". Is the pressure in bar? {pressure:g} bar are {1e5 * pressure:g} Pa and carry {in_bar:.3g} N·m"
     return f"the capacity is {carried:.3g} N·m at {force:g} N{hint}" if hint else None
 
 

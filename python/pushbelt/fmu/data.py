@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import MissingFileError, similar
+from ..arguments import checks, file
+from ..errors import MissingFileError, UnknownNameError, similar
 from .enumerations import BeltKind
 from .files import RESOURCES
 from .geometry import TwoPulleyCurve, primary_radius, theta_of
@@ -26,25 +28,47 @@ SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
 BELT_LENGTH = 0.2, 5.0  # Range of the length of a belt, m
 
 
-def parameter_set(name: str) -> dict[str, float]:
+@checks(name=file)
+def parameter_set(name: str | os.PathLike[str]) -> dict[str, float]:
     """Start values of the FMU for a variator, `bench168`, `belt155` or `chain168`, or from a file of that form, `….json`.
 
-    The pins of a pull chain are at its centre line: `belt.pitchOffset` is 0 then, as in the FMU.
+    A file that adds to another set names it as `base`: one of these names, or a file ….json beside it. The pins of a pull chain are at its
+    centre line: `belt.pitchOffset` is 0 then, as in the FMU.
 
     Raises MissingFileError for another name, and InputFileError if the file is not a parameter set, or if it is from an earlier version in which
     parameters have another meaning.
     """
+    path = first = _set_file(os.fspath(name))
+    values, base = read_parameters(path)
+    seen = {path.resolve()}
+    while base is not None:
+        path = _set_file(str(path.parent / base) if base.endswith(".json") else base)
+        if path.resolve() in seen:
+            raise InputFileError(f"{first} adds to {base}, which adds to it")
+        seen.add(path.resolve())
+        below, base = read_parameters(path)
+        values = {**below, **values}
+    _refuse_old(first, values)
+    if is_chain(values):
+        values["belt.pitchOffset"] = 0.0
+    return values
+
+
+def _set_file(name: str) -> Path:
     is_file = name.endswith(".json")
     path = Path(name) if is_file else RESOURCES / "parameters" / f"{name}.json"
     if not path.is_file():
         there = sorted(path.stem for path in (RESOURCES / "parameters").glob("*.json"))
         what, near = (f"no file {name}", "") if is_file else (f"no variator {name!r}", similar(name, there))
         raise MissingFileError(f"{what}; there are {', '.join(there)}, and files ….json{near}")
-    values = read_parameters(path)
-    _refuse_old(path, values)
-    if is_chain(values):
-        values["belt.pitchOffset"] = 0.0
-    return values
+    return path
+
+
+def needed(parameters: Mapping[str, float], name: str) -> float:
+    """A value by name. Raises UnknownNameError if there is none."""
+    if name not in parameters:
+        raise UnknownNameError(f'the parameters lack {name}: a set that adds to another one names it, as in "base": "bench168"')
+    return parameters[name]
 
 
 def is_chain(parameters: Mapping[str, float]) -> bool:
@@ -67,7 +91,7 @@ def published_data() -> dict[str, Any]:
 
 
 def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
-    return TwoPulleyCurve(parameters["geometry.centerDistance"], parameters["geometry.beltLength"], theta)
+    return TwoPulleyCurve(needed(parameters, "geometry.centerDistance"), needed(parameters, "geometry.beltLength"), theta)
 
 
 def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurve:
@@ -77,8 +101,7 @@ def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurv
 def pitch_radius(parameters: Mapping[str, float], ratio: float) -> float:
     """Pitch radius on the primary pulley, m, at a ratio of the pitch radii r_S/r_P. The centre line of the ring has
     these radii plus the pitch offset."""
-    distance, length = parameters["geometry.centerDistance"], parameters["geometry.beltLength"]
-    offset = parameters["belt.pitchOffset"]
+    distance, length, offset = (needed(parameters, name) for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset"))
     outer = ratio
     for _ in range(100):
         radius = primary_radius(theta_of(outer), distance, length) - offset
@@ -101,9 +124,9 @@ def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_an
 
 def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float) -> float:
     """Primary torque at which the belt slips through on S, 2 μ r_P F_S/cosβ, N·m: torque utilisation 1. The pitch
-    radius r_P is that of the reference curve at a geometric ratio; clamping force F_S on S in N."""
+    radius r_P is that of the reference curve at a geometric ratio; F_S is the whole force on S (`closing`), N."""
     radius = pitch_radius(parameters, ratio)
-    return slip_torque(parameters["friction.pulley"], parameters["geometry.wedgeAngle"], force, radius)
+    return slip_torque(needed(parameters, "friction.pulley"), needed(parameters, "geometry.wedgeAngle"), force, radius)
 
 
 def load_cases(parameters: Mapping[str, float]) -> list[LoadCase]:

@@ -22,7 +22,7 @@ def dataframe(content: Mapping[str, Any] | Sequence[Mapping[str, Any]] | Array) 
 
 def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") -> Any:
     """A value by name. Raises UnknownNameError with similar names."""
-    if name not in values:
+    if not isinstance(name, str) or name not in values:
         raise UnknownNameError(f"the {what} has no {kind} {name}{similar(name, values)}")
     return values[name]
 

@@ -135,14 +135,15 @@ def _read(variable: Any, value: Any) -> tuple[float | None, str]:
     if variable.type == "Enumeration":
         items = {item.name: int(item.value) for item in variable.declaredType.items}
         numbers = {str(number): number for number in items.values()}
-        text = str(int(value)) if isinstance(value, (int, float)) and value == int(value) else str(value).removesuffix(".0")
+        whole = isinstance(value, (int, float)) and math.isfinite(value) and value == int(value)
+        text = str(int(value)) if whole else str(value).removesuffix(".0")
         known = ", ".join(f"{name} ({number})" for name, number in items.items())
         return items.get(text, numbers.get(text)), f"= {value!r} is not one of {known}"
     if variable.type not in ("Real", "Integer"):
         return None, f"has the type {variable.type} and cannot be set"
     try:
         number = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
         return None, f"= {value!r} is not a finite number"
@@ -218,10 +219,12 @@ def _written(value: float) -> str:
 def _described(xml: bytes, values: Mapping[str, float], lines: list[str]) -> bytes:
     """The model description with other start values, and with the GUID of a copy that has the list `lines`."""
     root = etree.fromstring(xml)
-    variables = {variable.get("name"): variable for variable in root.iter("ScalarVariable")}
+    variables = {variable.get("name"): variable for variable in root.find("ModelVariables")}
     for name, value in values.items():
-        (kind,) = (child for child in variables[name] if child.tag != "Annotations")
-        kind.set("start", _written(value))
+        # In FMI 2.0 the start value belongs to an element of the type inside the variable.
+        kinds = [child for child in variables[name] if variables[name].tag == "ScalarVariable" and child.tag != "Annotations"]
+        (kinds[0] if kinds else variables[name]).set("start", _written(value))
     digits = hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
-    root.set("guid", f"{root.get('guid')[:SHARED]}{digits[:4]}-{digits[4:16]}}}")
+    token = "guid" if "guid" in root.attrib else "instantiationToken"
+    root.set(token, f"{root.get(token)[:SHARED]}{digits[:4]}-{digits[4:16]}}}")
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8")

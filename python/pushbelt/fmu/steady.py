@@ -1,5 +1,5 @@
 """Steady states: their start values for different conditions at shafts and sheaves (speeds in rad/s, torques in N·m, forces in N), and one after
-another on one instance of the FMU.
+another on one instance of the FMU. Forces are whole ones: a cylinder with an area has the pressure for them.
 
 Enumerations are plain numbers, for workers that do not have this package.
 """
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 
+from .closing import closed_by
 from .enumerations import Axial, Drive
 from .unit import Archive, Instance, UnitError
 
@@ -21,7 +22,7 @@ def _steady(
     return {
         **parameters, "initial.steady": True, "initial.ratio": ratio, "initial.primarySpeed": speed,
         "primary.drive": drives[0].value, "primary.axial": axial.value,
-        "secondary.drive": drives[1].value, "secondary.axial": Axial.FORCE.value, "secondary.clampingForce": force,
+        "secondary.drive": drives[1].value, "secondary.axial": Axial.FORCE.value, **closed_by(parameters, "secondary", force, ratio, speed),
     }  # fmt: skip
 
 

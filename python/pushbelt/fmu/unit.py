@@ -302,6 +302,15 @@ def refuse_others(fmu: Path | str, description: Any) -> None:
         raise InputFileError(f"{fmu} of FMI {description.fmiVersion} cannot be called: a unit for co-simulation of FMI 2.0 is needed")
 
 
+def belt_described(fmu: Path) -> Any:
+    """The model description of an FMU that runs the belt. Raises InputFileError for another one, such as `PushbeltMap.fmu`."""
+    description = described(fmu)
+    refuse_others(fmu, description)
+    if all(one.name != "ring.model" for one in description.modelVariables):
+        raise InputFileError(f"{fmu} has no ring.model: PushbeltVariator.fmu is needed, which runs the belt; only `drive` takes PushbeltMap.fmu")
+    return description
+
+
 def _not_executable(archive: Archive) -> str | None:
     """Remark on a file system that does not allow execution; None otherwise."""
     if not (hasattr(os, "ST_NOEXEC") and os.statvfs(archive.directory).f_flag & os.ST_NOEXEC):

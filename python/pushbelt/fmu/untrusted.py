@@ -102,20 +102,23 @@ def _no_constant(name: str) -> float:
     raise InputFileError(f"{name} is not a number")
 
 
-def read_parameters(path: Path) -> dict[str, Any]:
-    """The values of a parameter set: `{"parameters": {name: {"value": …}}}`, numbers, Booleans or text. Raises
-    InputFileError for another form, and the errors of `read_json`."""
+def read_parameters(path: Path) -> tuple[dict[str, Any], str | None]:
+    """The values of a parameter set: `{"parameters": {name: {"value": …}}}`, numbers, Booleans or text; and its `base`.
+    Raises InputFileError for another form, and the errors of `read_json`."""
     document = read_json(path)
     parameters = document.get("parameters") if isinstance(document, dict) else None
     if not isinstance(parameters, dict):
         raise InputFileError(f'{path} is not a parameter set: it must be an object with an object "parameters"')
+    base = document.get("base")
+    if base is not None and not isinstance(base, str):
+        raise InputFileError(f"{path}: the base {base!r} is no name of a set")
     values = {}
     for name, entry in parameters.items():
         value = entry.get("value") if isinstance(entry, dict) else None
         if not isinstance(value, (bool, int, float, str)):
             raise InputFileError(f'{path}: {name} has no "value" that is a number, true, false or text')
         values[name] = value
-    return values
+    return values, base
 
 
 def _first_line(error: Exception) -> str:

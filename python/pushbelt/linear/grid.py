@@ -9,16 +9,19 @@ from __future__ import annotations
 
 import json
 import os
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ArgumentError
+from ..arguments import checks, mapping, number, path as a_path, refused
+from ..errors import ArgumentError, package
 from ..fmu.results import dataframe
 from ..fmu.untrusted import InputFileError
 from .model import Array, LinearModel
@@ -38,6 +41,7 @@ def corners(axes: Mapping[str, Array], point: Mapping[str, float]) -> list[tuple
     if unknown := [name for name in point if name not in axes]:
         raise ArgumentError(f"the grid has no axis {unknown[0]}; its axes are {', '.join(axes)}")
     found: list[tuple[tuple[int, ...], float]] = [((), 1.0)]
+    point = {name: number()(name, value) for name, value in point.items()}
     for name, values in axes.items():
         if name not in point and len(values) > 1:
             raise ArgumentError(f"a value of {name} is missing: the grid has {len(values)} values of it")
@@ -122,6 +126,12 @@ class LinearGrid:
     models: NDArray[np.object_]  # One `LinearModel` per point, or None
     reasons: NDArray[np.object_]  # Reason for each missing model; empty where there is a model
 
+    def __post_init__(self) -> None:
+        shape = tuple(map(np.size, mapping("axes", self.axes).values()))
+        for name in ("models", "reasons"):
+            if getattr(value := getattr(self, name), "shape", None) != shape:
+                raise ArgumentError(refused(name, value, f"an array of the shape {shape}"))
+
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of points along each axis."""
@@ -129,7 +139,13 @@ class LinearGrid:
 
     def __getitem__(self, place: Any) -> Any:
         """The model at a point, by its index along each axis."""
-        return self.models[place]
+        try:
+            return self.models[place]
+        except (IndexError, TypeError, ValueError, OverflowError) as error:
+            raise ArgumentError(refused("place", place, f"a place in a grid of the shape {self.shape}")) from error
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.models)
 
     def points(self) -> Iterator[tuple[dict[str, float], LinearModel]]:
         """Points with a model: values by axis, and the model."""
@@ -140,7 +156,9 @@ class LinearGrid:
         return ((self.point(place), self.reasons[place]) for place, model in np.ndenumerate(self.models) if model is None)
 
     def point(self, place: tuple[int, ...]) -> dict[str, float]:
-        """Values by axis at a point."""
+        """Values by axis at a point, by its index along each axis."""
+        if not isinstance(place, tuple) or np.shape(self[place]) or len(place) != len(self.axes):
+            raise ArgumentError(refused("place", place, f"a place in a grid of the shape {self.shape}"))
         return {name: float(values[k]) for (name, values), k in zip(self.axes.items(), place, strict=True)}
 
     def interpolate(self, **point: float) -> LinearModel:
@@ -175,12 +193,12 @@ class LinearGrid:
         """One `control.StateSpace` of python-control per point, or None where there is no model."""
         return np.vectorize(lambda model: None if model is None else model.to_control(), otypes=[object])(self.models)
 
+    @checks(path=a_path)
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a file. The extension selects the format: `.npz`, `.mat` (needs scipy) or `.json`. `load_linear` reads `.npz`.
 
-        Raises ArgumentError for another extension, or if no point has a model.
+        Raises ArgumentError for another extension, or if no point has a model, MissingFileError or FileError if it cannot be written.
         """
-        path = Path(path)
         writers: dict[str, Callable[[LinearGrid, Path], None]] = {".npz": _npz, ".mat": _mat, ".json": _json}
         if path.suffix not in writers:
             raise ArgumentError(f"{path}: the extension must be one of {', '.join(writers)}")
@@ -192,11 +210,13 @@ class LinearGrid:
         writers[path.suffix](self, path)
 
 
+@checks(path=a_path)
 def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
     """Reads the linear models of a `.npz` file of `LinearGrid.save` or `pushbelt linearize`.
 
-    Raises InputFileError for any other file, OSError if it cannot be read.
+    Raises InputFileError for any other file, MissingFileError or FileError if it cannot be read.
     """
+    path.open("rb").close()
     try:
         with np.load(path, allow_pickle=False) as file:
             found = dict(file)
@@ -205,9 +225,10 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
         for place, order in np.ndenumerate(found["order"]):
             if order:
                 models[place] = _model(found, place)
-    except (KeyError, ValueError, EOFError) as error:
-        raise InputFileError(f"{os.fspath(path)} does not contain linear models: {error}") from error
-    return LinearGrid(axes, models, found["reasons"].astype(object))
+        return LinearGrid(axes, models, found["reasons"].astype(object))
+    # Readers of other and of damaged files raise any of these.
+    except (LookupError, ValueError, TypeError, AttributeError, EOFError, OSError, NotImplementedError, BadZipFile, zlib.error) as error:
+        raise InputFileError(f"{path} does not contain linear models: {error}") from error
 
 
 def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
@@ -264,8 +285,7 @@ def _npz(grid: LinearGrid, path: Path) -> None:
 
 def _mat(grid: LinearGrid, path: Path) -> None:
     """A cell array of structures, one per point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
-    from scipy.io import savemat
-
+    savemat = package("scipy.io", ".mat files need scipy", "control").savemat
     first = next(model for _, model in grid.points())
     cells = np.empty(grid.shape if grid.shape else (1,), dtype=object)
     for k, (place, model) in enumerate(np.ndenumerate(grid.models)):

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..arguments import checks, names, number, optional, refused, text
 from ..errors import ArgumentError, PushbeltError, package
 from ..fmu.results import item
 
@@ -54,6 +55,12 @@ class LinearModel:
     """`modal`, or `physical`: the states are speeds (rad/s) and the logarithm of the ratio, as deviations from the point."""
     sample_time: float | None = None  # Sample time of `ad`, `bd`, `cd`, `dd`, s
 
+    def __post_init__(self) -> None:
+        n, k, m = (len(names(name, getattr(self, name))) for name in ("states", "inputs", "outputs"))
+        for name, shape in {"a": (n, n), "b": (n, k), "c": (m, n), "d": (m, k), "poles": (n,)}.items():
+            if getattr(value := getattr(self, name), "shape", None) != shape:
+                raise ArgumentError(refused(name, value, f"an array of the shape {shape}"))
+
     def __repr__(self) -> str:
         at = f"ratio {self.values['ratio.geometric']:.4g}, " if "ratio.geometric" in self.values else ""
         held = ", ".join(f"{name} {value:.4g} {self.units[name]}" for name, value in self.held.items())
@@ -62,23 +69,26 @@ class LinearModel:
 
     @classmethod
     def of(cls, document: Mapping[str, Any]) -> LinearModel:
-        """Creates a model from the object that the FMU's `pushbeltLinearize` returns."""
-        states, loads, readings = document["states"], document["inputs"], document["outputs"]
-        n, k, m = len(states), len(loads), len(readings)
-        shapes = {"A": (n, n), "B": (n, k), "C": (m, n), "D": (m, k)}
-        poles = np.array(document["poles"], dtype=float).reshape(-1, 2)
-        return cls(
-            **{name.lower(): np.array(document[name], dtype=float).reshape(shape) for name, shape in shapes.items()},
-            inputs=tuple(one["name"] for one in loads),
-            outputs=tuple(one["name"] for one in readings),
-            states=tuple(states), poles=poles[:, 0] + 1j * poles[:, 1],
-            held={one["name"]: one["held"] for one in loads}, given={one["name"]: one["given"] for one in loads},
-            values={one["name"]: one["value"] for one in readings},
-            units={one["name"]: one["unit"] for one in (*loads, *readings)} | {LOG_RATIO: "1"},
-            frequency=document["frequency"]["value"], slip=document["slip"], macro_slip=bool(document["macroSlip"]),
-            remarks=tuple(document["remarks"]),
-            coordinates=document.get("coordinates", "modal"), sample_time=document.get("sampleTime"),
-        )  # fmt: skip
+        """Creates a model from the object that the FMU's `pushbeltLinearize` returns. Raises ArgumentError for another one."""
+        try:
+            states, loads, readings = document["states"], document["inputs"], document["outputs"]
+            n, k, m = len(states), len(loads), len(readings)
+            shapes = {"A": (n, n), "B": (n, k), "C": (m, n), "D": (m, k)}
+            poles = np.array(document["poles"], dtype=float).reshape(-1, 2)
+            return cls(
+                **{name.lower(): np.array(document[name], dtype=float).reshape(shape) for name, shape in shapes.items()},
+                inputs=tuple(one["name"] for one in loads),
+                outputs=tuple(one["name"] for one in readings),
+                states=tuple(states), poles=poles[:, 0] + 1j * poles[:, 1],
+                held={one["name"]: one["held"] for one in loads}, given={one["name"]: one["given"] for one in loads},
+                values={one["name"]: one["value"] for one in readings},
+                units={one["name"]: one["unit"] for one in (*loads, *readings)} | {LOG_RATIO: "1"},
+                frequency=document["frequency"]["value"], slip=document["slip"], macro_slip=bool(document["macroSlip"]),
+                remarks=tuple(document["remarks"]),
+                coordinates=document.get("coordinates", "modal"), sample_time=document.get("sampleTime"),
+            )  # fmt: skip
+        except (LookupError, TypeError, ValueError, AttributeError) as error:
+            raise ArgumentError(f"document is no linear model: {error!r}") from error
 
     def document(self) -> dict[str, Any]:
         """The object from which `of` creates a model."""
@@ -96,11 +106,10 @@ class LinearModel:
         found = {name: getattr(self, name.lower()) for name in "ABCD"}
         return found if self.sample_time is None else found | dict(zip(("Ad", "Bd", "Cd", "Dd"), self.discrete(), strict=True))
 
+    @checks(sample_time=number("s", above=0.0))
     def sampled(self, sample_time: float) -> LinearModel:
         """The model with the discrete-time matrices `ad`, `bd`, `cd`, `dd` for a sample time, s."""
-        if not (np.isfinite(sample_time) and sample_time > 0.0):
-            raise ArgumentError(f"sample_time = {sample_time!r} s is not a number above 0")
-        return replace(self, sample_time=float(sample_time))
+        return replace(self, sample_time=sample_time)
 
     def discrete(self) -> tuple[Array, Array, Array, Array]:
         """A, B, C and D in discrete time, x[k+1] = A_d x[k] + B_d u[k], y[k] = C_d x[k] + D_d u[k], for inputs that are constant over
@@ -126,6 +135,7 @@ class LinearModel:
     cd = property(lambda self: self.discrete()[2], doc="C in discrete time: C.")
     dd = property(lambda self: self.discrete()[3], doc="D in discrete time: D.")
 
+    @checks(outputs=optional(names), inputs=optional(names))
     def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
         """The model with a selection of outputs and inputs, in the given order. Raises UnknownNameError for an unknown name."""
         outputs, inputs = (own if some is None else tuple(some) for some, own in ((outputs, self.outputs), (inputs, self.inputs)))
@@ -133,28 +143,31 @@ class LinearModel:
         d = self.d[np.ix_(rows, columns)]
         return replace(self, b=self.b[:, columns], c=self.c[rows], d=d, inputs=inputs, outputs=outputs)
 
+    @checks(frequencies=number("rad/s", several=True))
     def response(self, frequencies: ArrayLike) -> NDArray[np.complex128]:
         """Frequency response at angular frequencies (rad/s), of the shape (frequencies, outputs, inputs).
 
         A model with a sample time has that of its discrete-time matrices, for inputs that are constant over each sample time. At a pole
         it is not a number.
         """
-        at = 1j * np.atleast_1d(np.asarray(frequencies, dtype=float))
+        at = 1j * np.atleast_1d(frequencies)
         a, b, c, d = (self.a, self.b, self.c, self.d) if self.sample_time is None else self.discrete()
         if self.sample_time is not None:
             at = np.exp(self.sample_time * at)
         return np.array([c @ _solved(one * np.eye(len(a)) - a, b) + d for one in at]).reshape(-1, *d.shape)
 
+    @checks(output=text, load=text, frequency=number("rad/s"))
     def gain(self, output: str, load: str, frequency: float) -> complex:
         """One entry of the frequency response, at an angular frequency (rad/s)."""
         return complex(self.select([output], [load]).response(frequency)[0, 0, 0])
 
+    @checks(times=number("s", least=0.0, several=True))
     def step(self, times: ArrayLike) -> Array:
         """Deviation of the outputs at times (s) after a unit step of each input, of the shape (times, outputs, inputs).
 
         With a sample time it is the same at its multiples, where the inputs change. Needs scipy, `pushbelt[control]`.
         """
-        return self.c @ self._held(np.atleast_1d(np.asarray(times, dtype=float)))[1] + self.d
+        return self.c @ self._held(np.atleast_1d(times))[1] + self.d
 
     def to_control(self) -> control.StateSpace:
         """The model as a `StateSpace` of python-control, with the names of inputs, outputs and states. Needs `pushbelt[control]`.

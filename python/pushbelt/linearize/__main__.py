@@ -1,9 +1,9 @@
 """Writes linear models of the variator about steady working points: A, B, C, D, for controller design.
 
 A point is a geometric ratio `initial.ratio`, a torque `primary.torque` (N·m), a speed `initial.primarySpeed` (rad/s) and a force
-`secondary.clampingForce` (N). The primary force and the secondary torque are those that hold the point. Several values define a grid:
-`initial.ratio=0.5,1,2`, or `initial.ratio=0.5:2:7` for seven from 0.5 to 2. Other names are parameters of the FMU, with enumerations
-by name: `ring.model=ALE0`.
+`secondary.clampingForce` (N), the whole one with spring and rotating oil, or `secondary.pressure` (Pa) with a cylinder. The primary force
+or pressure and the secondary torque are those that hold the point. Several values define a grid: `initial.ratio=0.5,1,2`, or
+`initial.ratio=0.5:2:7` for seven from 0.5 to 2. Other names are parameters of the FMU, with enumerations by name: `ring.model=ALE0`.
 
 Writes models.npz (numpy), models.mat (MATLAB), models.json, and report.html with Bode and step plots. A point at which
 the belt slips through, or which requires other loads than the specified ones, has no model. If no point has a model, the program fails.
@@ -21,7 +21,7 @@ import numpy as np
 
 from pushbelt import console
 from pushbelt.cli.options import add_variator, program
-from pushbelt.errors import ArgumentError
+from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.linear.grid import LinearGrid
 from pushbelt.points import FREQUENCY, STATES
@@ -31,11 +31,12 @@ AXES = {
     "initial.ratio": "ratio", "primary.torque": "torque", "initial.primarySpeed": "speed", "secondary.clampingForce": "force",
 }  # fmt: skip
 """Names of the FMU's variables, and of the corresponding axes of a grid."""
-REACTIONS = ("primary.clampingForce", "secondary.torque")
+FORCE, PRESSURE = "secondary.clampingForce", "secondary.pressure"  # What gives the secondary force
+REACTIONS = ("primary.clampingForce", "primary.pressure", "secondary.torque")
 """Loads that hold a point. A specified value is compared with the required one."""
 SAME = 0.01  # Largest relative difference between a specified and a required load
-SMALL = {"primary.clampingForce": 5e3, "secondary.torque": 50.0}
-"""Smallest magnitude of a load in this comparison, N and N·m."""
+SMALL = {"primary.clampingForce": 5e3, "primary.pressure": 5e5, "secondary.torque": 50.0}
+"""Smallest magnitude of a load in this comparison, N, Pa and N·m."""
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip")  # Default outputs of the figures
 FILES = ("models.npz", "models.mat", "models.json")
 
@@ -51,11 +52,11 @@ class Asked(NamedTuple):
 
     def axes(self, variator: Variator) -> dict[str, Any]:
         """Arguments of `linear_grid`: the specified points, and start values of the variator for what is not specified. A single number
-        of speed or force is not an axis."""
+        of speed or force is not an axis. Without a force or a safety factor the force is that of the variator's inputs."""
         found = {axis: self.points.get(name, [variator[name]]) for name, axis in AXES.items()}
         found |= {axis: found[axis][0] for axis in ("speed", "force") if len(found[axis]) == 1}
-        found |= {"ratios": found.pop("ratio"), "torques": found.pop("torque")}
-        return found | ({"force": None} if self.safety else {})
+        found |= {"ratios": found.pop("ratio"), "torques": found.pop("torque"), "safety": self.safety}
+        return found if FORCE in self.points else found | {"force": None}
 
 
 def asked(settings: Sequence[str], safety: float | None = None) -> Asked:
@@ -76,8 +77,13 @@ def asked(settings: Sequence[str], safety: float | None = None) -> Asked:
     changes = {name: words for name, words in found.items() if len(words) > 1}
     if safety is not None and not SAFETY_RANGE[0] <= safety <= SAFETY_RANGE[1]:
         raise ArgumentError(f"--safety {safety:g} is not within {SAFETY_RANGE[0]:g} to {SAFETY_RANGE[1]:g}")
-    if safety is not None and "secondary.clampingForce" in points:
-        raise ArgumentError("--safety and secondary.clampingForce both determine the clamping force: give one of them")
+    if PRESSURE in found:
+        # A pressure beside a clamping force of 0 is the usual pair of the FMU.
+        points = points if any(points.get(FORCE, [0.0])) else {name: values for name, values in points.items() if name != FORCE}
+        parameters[FORCE] = "0"
+    both = [name for name, given in (("--safety", safety is not None), (FORCE, FORCE in points), (PRESSURE, PRESSURE in found)) if given]
+    if len(both) > 1:
+        raise ArgumentError(f"{' and '.join(both)} both determine the clamping force: give one of them")
     return Asked(points, loads, parameters, changes, safety)
 
 
@@ -131,7 +137,7 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_intermixed_args(arguments)
     wanted = asked(options.settings, options.safety)
-    # Imported here, so that the help needs no packages of the extras.
+    require("reports")  # The help needs no packages of the extras.
     from pushbelt.report.side_by_side import progress_bar
 
     given = {name: getattr(options, name) for name in ("frequency", "states", "sample_time")}
@@ -140,7 +146,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         size = math.prod(len(values) for values in (*axes.values(), *wanted.changes.values()) if isinstance(values, list))
         with progress_bar(size, "working points") as bar:
             each = {"changes": wanted.changes, "after_each": lambda: bar.update(1)}
-            grid = variator.linear_grid(**axes, safety=options.safety or 1.0, **each, **given)
+            grid = variator.linear_grid(**axes, **each, **given)
     return write(without_other_loads(grid, wanted.loads), options)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_short, add_study, numbers, program
-from pushbelt.errors import ArgumentError
+from pushbelt.errors import ArgumentError, require
 from pushbelt.study.tasks import variator
 
 from .data import AXES, Maps
@@ -39,6 +39,7 @@ def parser() -> argparse.ArgumentParser:
 @console.program("maps", "sweep")
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
+    require("sweep")
     given = {name: getattr(options, name) for name in (*GIVEN, "ratios") if getattr(options, name) is not None}
     if given.get("ratios", 2) < 2:
         raise ArgumentError("at least two ratios are needed")

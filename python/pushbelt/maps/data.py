@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,8 +18,10 @@ from zlib import error
 
 import numpy as np
 
-from ..errors import PushbeltError
+from ..arguments import checks, mapping, path as a_path, text
+from ..errors import PushbeltError, package
 from ..fmu.geometry import Array
+from ..fmu.results import item
 
 VERSION = 1  # Version of the files' content
 STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
@@ -100,6 +103,11 @@ class Maps:
     """Why a point has no steady state, by its indices `force/speed/ratio/utilisation`."""
 
     def __post_init__(self) -> None:
+        for name in ("axes", "tables", "parameters", "source", "reasons"):
+            mapping(name, getattr(self, name))
+        arrays = (*self.axes.values(), *self.tables.values())
+        if not all(isinstance(array, np.ndarray) and array.dtype.kind in "iuf" for array in arrays):
+            raise MapError("axes and tables are arrays of numbers")
         if missing := AXES.keys() - self.axes.keys() | TABLES.keys() - self.tables.keys():
             raise MapError(f"the maps lack {', '.join(sorted(missing))}")
         for name, axis in self.axes.items():
@@ -112,8 +120,9 @@ class Maps:
             if not np.all(np.isfinite(self.tables[name])):
                 raise MapError(f"the table {name} has values that are not finite")
 
+    @checks(name=text)
     def __getitem__(self, name: str) -> Array:
-        return self.tables[name]
+        return item(self.tables, name, "data set", "table")
 
     @cached_property
     def valid(self) -> np.ndarray:
@@ -122,7 +131,9 @@ class Maps:
 
     def masked(self, name: str) -> Array:
         """A table over the points, NaN in gaps."""
-        return np.where(self.valid, self.tables[name], np.nan)
+        if self[name].shape[: len(POINT)] != self.valid.shape:
+            raise MapError(f"the table {name} is not over the points")
+        return np.where(self.valid, self[name], np.nan)
 
     @cached_property
     def identity(self) -> str:
@@ -151,18 +162,22 @@ class Maps:
             axes, tables = arrays_of(document)
             parameters = {name: float(value) for name, value in document["parameters"].items()}
             return cls(axes, tables, parameters, dict(document["source"]), dict(document["reasons"]))
-        except (LookupError, TypeError, AttributeError) as error:
+        except MapError:
+            raise
+        except (LookupError, TypeError, ValueError, AttributeError) as error:
             raise MapError(f"these are not pushbelt maps: {error!r}") from error
 
-    def write(self, path: Path) -> None:
+    @checks(path=a_path)
+    def write(self, path: str | os.PathLike[str]) -> None:
         """Writes `.json`, `.npz` or `.nc`."""
         write = _of_suffix(path, {".json": self._write_json, ".npz": self._write_npz, ".nc": self._write_netcdf})
         path.parent.mkdir(parents=True, exist_ok=True)
         write(path)
 
     @classmethod
-    def read(cls, path: Path) -> Maps:
-        """Reads a file of `write`. Raises MapError for another or damaged file, OSError if it cannot be read."""
+    @checks(path=a_path)
+    def read(cls, path: str | os.PathLike[str]) -> Maps:
+        """Reads a file of `write`. Raises MapError for another or damaged file, MissingFileError or FileError if it cannot be read."""
         read = _of_suffix(path, {".json": lambda one: json.loads(one.read_bytes()), ".npz": _read_npz, ".nc": _read_netcdf})
         path.open("rb").close()
         try:
@@ -187,9 +202,7 @@ class Maps:
 
     def _write_netcdf(self, path: Path) -> None:
         """NetCDF-3 with coordinate variables, units and CF flag attributes."""
-        from scipy.io import netcdf_file
-
-        with netcdf_file(path, "w", version=2) as file:
+        with package("scipy.io", ".nc files need scipy", "maps").netcdf_file(path, "w", version=2) as file:
             file.title = b"Steady states and shift rates of a pushbelt variator"
             file.format_version = np.int32(VERSION)
             for name, text in self._about().items():
@@ -223,9 +236,7 @@ def _read_npz(path: Path) -> Any:
 
 
 def _read_netcdf(path: Path) -> Any:
-    from scipy.io import netcdf_file
-
-    with netcdf_file(path, "r", mmap=False) as file:
+    with package("scipy.io", ".nc files need scipy", "maps").netcdf_file(path, "r", mmap=False) as file:
         arrays = {name: np.array(variable[:], dtype=float) for name, variable in file.variables.items()}
         return _of_arrays(int(file.format_version), {name: getattr(file, name).decode() for name in TEXTS}, arrays)
 

@@ -113,7 +113,8 @@ class Plan(Tasks):
 
     @property
     def common(self) -> Mapping[str, float]:
-        return {**self.full, **SHAFTS}
+        # The forces of the maps are whole ones.
+        return {**self.full, **SHAFTS, **{name: 0.0 for name in self.full if ".cylinder." in name}}
 
     def tasks(self) -> list[Line]:
         """All lines; the ratio varies fastest."""

@@ -102,8 +102,11 @@ def write_tables(fmu: Path, copy: Path, tables: bytes) -> None:
 
 def write_fmu(copy: Path, maps: Maps | bytes, fmu: Path | None = None, values: Mapping[str, Any] | None = None) -> None:
     """Writes an FMU with these maps, with the parameters of their variator as start values, and with other start values."""
-    tables = maps if isinstance(maps, bytes) else tables_of(maps)
-    write_tables(fmu or default_fmu(), copy, tables)
+    fmu, tables = fmu or default_fmu(), maps if isinstance(maps, bytes) else tables_of(maps)
     given = {**json.loads(tables)["startValues"], **(values or {})}
-    variables = {variable.name: variable for variable in described(copy).modelVariables}
-    write_copy(copy, copy, checked(variables, given))
+    # An FMU of FMI 3.0 has the variables of that of FMI 2.0, with other types.
+    description = described(fmu)
+    description = described(default_fmu()) if description.fmiVersion == "3.0" else description
+    own = checked({one.name: one for one in description.modelVariables}, given)
+    write_tables(fmu, copy, tables)
+    write_copy(copy, copy, own)

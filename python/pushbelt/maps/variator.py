@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -20,15 +21,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
 
-from ..errors import ArgumentError
+from ..arguments import checks, kind, mapping, number, optional, refused, whole
+from ..errors import ArgumentError, package, warn
+from ..fmu import capacity
 from ..fmu.data import pitch_radius
 from ..fmu.geometry import Array
 from . import unit as map_unit
 from .data import MapError, Maps, arrays_of
 from .plan import stops
 
+PchipInterpolator = package("scipy.interpolate", "MapVariator needs scipy", "maps").PchipInterpolator
 SLIP_SPEED = 0.1  # Regularisation speed of the slip, m/s
 FADING_SPEED = 2.0  # Speed below which drag and belt loss fade, rad/s
 LEAST_FORCE = 1.0  # Smallest force in a quotient of forces, N
@@ -68,8 +71,9 @@ class _Table:
 class MapVariator:
     """`count` variators from maps. States are arrays of this length."""
 
+    @checks(maps=optional(kind("maps or a path", Maps, str, os.PathLike)), parameters=optional(mapping), count=whole)
     def __init__(
-        self, maps: Maps | Path | str | None = None, parameters: Mapping[str, float] | None = None, *, count: int = 1
+        self, maps: Maps | str | os.PathLike[str] | None = None, parameters: Mapping[str, float] | None = None, *, count: int = 1
     ) -> None:
         """From maps, a file of maps (`maps.nc`) or a map FMU; by default from the tables of `bench168`.
 
@@ -79,11 +83,13 @@ class MapVariator:
         self.parameters: dict[str, float] = dict(document["startValues"])
         if unknown := [name for name in parameters or () if name not in self.parameters]:
             raise ArgumentError(f"{unknown[0]} is no parameter of a variator from maps: {', '.join(sorted(self.parameters))}")
-        self.parameters |= {name: float(value) for name, value in (parameters or {}).items()}
+        for name, value in (parameters or {}).items():
+            self.parameters[name] = (number(above=0.0) if name.endswith("inertia") else number(least=0.0))(name, value)
         self._geometry = document["parameters"]
         self._build(document)
         self.count = count
         self.primary_speed, self.secondary_speed, self.log_ratio = (np.zeros(count) for _ in range(3))
+        self._started = False  # Whether a step has been taken since the start
 
     @property
     def ratio(self) -> Array:
@@ -96,19 +102,36 @@ class MapVariator:
         running = np.abs(self.primary_speed) > 1e-3
         return np.where(running, 1.0 - self.secondary_speed * self.ratio / np.where(running, self.primary_speed, 1.0), 0.0)
 
+    def _each(self, name: str, value: ArrayLike) -> Array:
+        """A value of each variator."""
+        try:
+            return np.broadcast_to(value, self.count)
+        except ValueError:
+            raise ArgumentError(refused(name, value, f"a number or {self.count} of them")) from None
+
+    @checks(ratio=number(above=0.0, several=True), primary_speed=number("rad/s", several=True), slip=number(several=True))
     def start(self, ratio: ArrayLike = 1.0, primary_speed: ArrayLike = 200.0, slip: ArrayLike = 0.0) -> None:
         """Sets the states. Ratios beyond the end stops are set to them."""
-        self.log_ratio = np.clip(np.log(np.broadcast_to(ratio, self.count)), *self._stops)
-        self.primary_speed = np.broadcast_to(np.asarray(primary_speed, dtype=float), self.count).copy()
-        self.secondary_speed = self.primary_speed * (1.0 - np.broadcast_to(slip, self.count)) / self.ratio
+        ratios, speeds, slips = (self._each(*one) for one in (("ratio", ratio), ("primary_speed", primary_speed), ("slip", slip)))
+        self.log_ratio, self.primary_speed = np.clip(np.log(ratios), *self._stops), speeds.copy()
+        self.secondary_speed = self.primary_speed * (1.0 - slips) / self.ratio
+        self._started = False
 
+    @checks(
+        duration=number("s", above=0.0),
+        **{f"{pulley}_torque": number("N·m", several=True) for pulley in ("primary", "secondary")},
+        **{f"{pulley}_force": number("N", least=0.0, several=True) for pulley in ("primary", "secondary")},
+    )
     def step(
         self, duration: float, primary_torque: ArrayLike, secondary_torque: ArrayLike, primary_force: ArrayLike,
         secondary_force: ArrayLike,
     ) -> None:  # fmt: skip
-        """Advances by a duration (s) under torques (N·m) and clamping forces (N), which are numbers or arrays."""
-        loads = (primary_torque, secondary_torque, primary_force, secondary_force)
-        into, out, closing, force = (np.broadcast_to(np.asarray(load, dtype=float), self.count) for load in loads)
+        """Advances by a duration (s) under torques (N·m) and whole clamping forces (N), which are numbers or arrays.
+
+        A force that seems to be in kN is an ArgumentError in the first step after the start, and a VariatorWarning later.
+        """
+        loads = {"primary_torque": primary_torque, "secondary_torque": secondary_torque, "primary_force": primary_force}
+        into, out, closing, force = (self._each(*load) for load in (loads | {"secondary_force": secondary_force}).items())
         h, primary, secondary, p = duration, self.primary_speed, self.secondary_speed, self.parameters
         place = self._place(force, primary)
         ratio, radius = self.ratio, self._radius(self.log_ratio)
@@ -118,6 +141,7 @@ class MapVariator:
         one_way = bool(np.all(forward == 1.0))
         limits = place.mean(self._limits)
         capacity = 2.0 * p["friction.pulley"] * radius * force / math.cos(self._geometry["geometry.wedgeAngle"])
+        self._check_units(into, force, capacity)
 
         def ahead(v: Array) -> tuple[Array, Array]:
             return self._traction(place, limits, speed, v)
@@ -156,6 +180,16 @@ class MapVariator:
         torque = capacity * traction(v)[0]
         self.primary_speed, self.secondary_speed = free_p - per_p * torque, free_s + per_s * ratio * torque
         self.log_ratio = new_log
+
+    def _check_units(self, torques: Array, forces: Array, carried: Array) -> None:
+        """Refuses a load in a wrong unit, or warns of it later, by the first variator whose belt does not carry its torque."""
+        for k in np.flatnonzero(np.abs(torques) > capacity.BEYOND * carried + capacity.DRAG)[:1]:
+            if hint := capacity.wrong_unit(torques[k], forces[k], carried[k]):
+                why = f"secondary_force = {forces[k]:g} N carries {carried[k]:.3g} N·m, primary_torque is {torques[k]:g} N·m{hint}"
+                if not self._started:
+                    raise ArgumentError(why)
+                warn(why)
+        self._started = True
 
     def _shaft(self, pulley: str, h: float, speed: Array, torque: Array, load: Array) -> tuple[Array, Array]:
         """Speed without the belt's torque, and its change per torque."""
@@ -236,7 +270,7 @@ class MapVariator:
         self._radii = np.array([pitch_radius(self._geometry, math.exp(place)) for place in self._radii_places])
 
 
-def _document(maps: Maps | Path | str | None) -> Tables:
+def _document(maps: Maps | str | os.PathLike[str] | None) -> Tables:
     """The tables of maps, of a file of maps or of a map FMU."""
     if maps is None:
         return json.loads(map_unit.default_maps().read_bytes())

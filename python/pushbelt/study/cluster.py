@@ -17,7 +17,7 @@ import cloudpickle
 from distributed import CancelledError, Client, Future, KilledWorker, LocalCluster, WorkerPlugin, as_completed, get_worker
 
 import pushbelt.fmu
-from pushbelt import errors
+from pushbelt import arguments, errors
 from pushbelt.console import interrupts_ignored
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.unit import Archive
@@ -84,7 +84,7 @@ def shipped(client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules
     name = f"pushbelt-{client.id}"
     try:
         with ExitStack() as stack:
-            for module in (pushbelt.fmu, errors, sys.modules[__name__], *modules):
+            for module in (pushbelt.fmu, arguments, errors, sys.modules[__name__], *modules):
                 # Its objects and those of its submodules are pickled by value.
                 cloudpickle.register_pickle_by_value(module)
                 stack.callback(cloudpickle.unregister_pickle_by_value, module)

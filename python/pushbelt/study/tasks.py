@@ -23,8 +23,7 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.steady import SteadyStates
-from pushbelt.fmu.unit import Archive, UnitError
-from pushbelt.fmu.untrusted import described
+from pushbelt.fmu.unit import Archive, UnitError, belt_described
 
 Row = dict[str, Any]  # The result of a task. `reason` is why it has none; `time` is its processor time, s.
 
@@ -44,7 +43,7 @@ class Tasks(ABC):
 
     @cached_property
     def description(self) -> Any:
-        return described(self.fmu)
+        return belt_described(self.fmu)
 
     @cached_property
     def variables(self) -> Mapping[str, Any]:

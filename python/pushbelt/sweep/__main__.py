@@ -16,8 +16,8 @@ from typing import Any
 
 from pushbelt import console
 from pushbelt.cli.options import add_reading, add_short, add_study, numbers, program, reading
-from pushbelt.errors import ArgumentError
-from pushbelt.fmu.untrusted import described
+from pushbelt.errors import ArgumentError, require
+from pushbelt.fmu.unit import belt_described
 
 from .design import AXIS_OF, DesignError, Varied, crossed, listed, varied
 from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Study, variator, warnings_of
@@ -47,6 +47,7 @@ def parser() -> argparse.ArgumentParser:
 @console.program("sweep", "sweep")
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
+    require("sweep" if options.slurm is None else "slurm")
     if options.slurm is None and options.print_job:
         raise ArgumentError("--print-job requires the options of --slurm")
     if options.slurm is not None and (options.scheduler or options.workers):
@@ -76,7 +77,7 @@ def _study(options: argparse.Namespace) -> Study:
     if options.points and (options.vary or options.samples or axes):
         raise DesignError("--points has all columns: it excludes --vary, --samples and the axes")
     if options.points:
-        variables = {variable.name: variable for variable in described(options.fmu).modelVariables}
+        variables = {variable.name: variable for variable in belt_described(options.fmu).modelVariables}
         grid, remarks = listed(options.points, variables, reading(options))
         for remark in remarks:
             print(f"  {options.points}: {remark}")

@@ -1,6 +1,7 @@
 """Designs of experiments: any parameters and inputs as a full grid, a Latin hypercube, or a list of points.
 
-Columns that are not varied have these values: ratio 1, utilisation 0.6, 2000 rpm, 12 kN, and the friction of the parameter set.
+Columns that are not varied have these values: ratio 1, utilisation 0.6, 2000 rpm, 12 kN, and the friction of the parameter set. The whole
+force, with pressure, spring and rotating oil, gives the torque of a utilisation.
 """
 
 from __future__ import annotations

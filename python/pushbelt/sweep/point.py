@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from pushbelt.fmu.closing import closing_at
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.steady import SteadyStates, driven_by_torque
@@ -20,16 +21,23 @@ SHORT_STEP = 1e-3
 
 Point = Mapping[str, float]
 """A working point: values by names of FMU variables, and `utilisation`: the primary torque over that at which the belt slips through,
-2 μ r_P F_S/cosβ; negative where the secondary pulley drives."""
+2 μ r_P F_S/cosβ with the whole force F_S of clamp and cylinder; negative where the secondary pulley drives."""
 
 STANDARD = {"initial.ratio": 1.0, "utilisation": 0.6, "initial.primarySpeed": 209.44, "secondary.clampingForce": 12e3}
 """Values of what a point does not have. Its friction is then that of the parameters."""
 ACTING: Mapping[str, Mapping[str, float]] = {
     "primary.clampingForce": {"primary.axial": Axial.FORCE.value, "initial.equilibrium": True},
+    "primary.pressure": {"primary.axial": Axial.FORCE.value, "initial.equilibrium": True, "primary.clampingForce": 0.0},
     "primary.speedSetpoint": {"primary.drive": Drive.SPEED.value},
     "secondary.torque": {"secondary.drive": Drive.TORQUE.value},
 }
-"""Boundary conditions under which an input acts: a varied primary force determines the ratio, for example."""
+"""Boundary conditions under which an input acts: a varied primary force or pressure determines the ratio, for example."""
+
+
+def capacity(values: Mapping[str, float]) -> float:
+    """Primary torque of the utilisation 1 at start values, N·m: 0 with an open pulley."""
+    ratio = values["initial.ratio"]
+    return torque_capacity(values, ratio, max(closing_at(values, "secondary", ratio, values["initial.primarySpeed"]), 0.0))
 
 
 def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, float]:
@@ -37,8 +45,9 @@ def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, flo
     axes = {**STANDARD, **point}
     own = {**parameters, **{name: value for name, value in point.items() if name not in STANDARD}}
     ratio, speed, force = (axes[name] for name in ("initial.ratio", "initial.primarySpeed", "secondary.clampingForce"))
-    torque = axes["utilisation"] * torque_capacity(own, ratio, force)
-    values = {**driven_by_torque(own, ratio, speed, torque, force), "initial.equilibrium": False}
+    torque = axes["utilisation"] * capacity({**own, **axes})
+    # The columns are inputs of the FMU: a pressure acts beside the clamping force.
+    values = {**own, **driven_by_torque({}, ratio, speed, torque, force), "initial.equilibrium": False}
     for name, condition in ACTING.items():
         if name in point:
             values |= condition

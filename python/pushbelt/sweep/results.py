@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,13 +11,12 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.unit import output_names
 from pushbelt.study.tasks import Row
 from pushbelt.whole_file import write_whole
 
 from .design import Design
-from .point import SHORT_STEP
+from .point import SHORT_STEP, capacity
 from .study import AXES, Study
 
 METADATA = b"pushbelt.study"  # Key of the study's description (JSON) in the metadata of the results
@@ -48,8 +48,8 @@ def table(study: Study, rows: Mapping[int, Row]) -> pa.Table:
     full = []
     for number in sorted(rows):
         values = study.start_values(points[number])
-        carried = torque_capacity(values, values["initial.ratio"], values["secondary.clampingForce"])
-        utilisation = points[number].get("utilisation", values["primary.torque"] / carried)
+        carried = capacity(values)
+        utilisation = points[number].get("utilisation", values["primary.torque"] / carried if carried else math.nan)
         given = {name: values[name] for name in columns.names if name in values}
         full.append({"point": number, "utilisation": utilisation, **given, **rows[number]})
     results = pa.Table.from_pylist(full, columns)

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from pushbelt.errors import ArgumentError
-from pushbelt.fmu import capacity, steady
+from pushbelt.fmu import capacity, closing, steady
 from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
@@ -101,7 +101,7 @@ class Study(Tasks):
             raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
 
-    procedure = (point, steady)
+    procedure = (point, steady, closing)
     measure = staticmethod(point.solve)
 
     def document(self) -> dict[str, Any]:
@@ -120,6 +120,9 @@ def warnings_of(study: Study) -> Iterator[str]:
     ArgumentError if no point carries its torque, and a wrong unit explains it at all of them."""
     points = study.grid.points()
     values = [study.start_values(point) for point in points[:: -(-len(points) // MOST)]]
+    if "secondary.pressure" in study.grid.columns and "secondary.clampingForce" not in study.grid.columns:
+        force = point.STANDARD["secondary.clampingForce"]
+        yield f"secondary.clampingForce = {force:g} N acts beside secondary.pressure: --force 0 leaves the pressure alone"
 
     def excessive_speed(one: Mapping[str, float]) -> str | None:
         return capacity.excessive_speed(one, one["initial.ratio"], one["initial.primarySpeed"])

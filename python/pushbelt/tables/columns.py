@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..fmu.files import RESOURCES
 from . import units
 from .names import Column
 
-NAME, SERIES, TIME = "name", "series", "time"
+NAME, SERIES, STEP, TIME = "name", "series", "step", "time"
 SHIFTS = ("di/dt", "ds/dt")  # Quantities of a point whose ratio changes
 SAMPLED = "ratio.geometric"  # Quantity of a recorded shift
 ENDS = {"primary": "P 1 pri prim primary in an DR", "secondary": "S 2 sec sek secondary out ab DN"}
@@ -26,15 +27,8 @@ PARTS = {
 """Columns from which a quantity is computed, as products and quotients."""
 RECORDED = ("primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce", SAMPLED)
 """Columns of recorded shifts besides series and time."""
-EXAMPLES = """\
-name,ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN],primary.clampingForce [kN],\
-thrustRatio,slip [%],slip.sd [%],efficiency [%],ds/dt [1/s]
-underdrive,2,1500,60,14,,1.05,0.8,,,
-ratio 1,1,2000,50,9,,1.37,,0.05,97.1,
-overdrive,0.5,2000,40,10,18.1,,0.3,0.05,,
-upshift,1,1000,0,20,26,,,,,0.45
-"""
-"""Header and lines of the template."""
+EXAMPLES = RESOURCES / "calibrate-template.csv"
+"""Header and lines of the template, with results of the model. Written by `fmu-build/python/page_programs.py`."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +49,7 @@ def _of_both(dimension: str, low: float, high: float, name: str, letters: str, w
     for pulley, meaning in meanings.items():
         ends = ENDS[pulley].split()
         symbols = [f"{letter}{end}" for letter in letters.split() for end in ends]
+        symbols += [f"{end} {letter}" for letter in letters.split() for end in ends if len(end) > 2]
         spelled = [f"{word} {end}" for word in words.split(", ") for end in ends[:2]]
         found[f"{pulley}.{name}"] = Column(dimension, low, high, meaning, (*symbols, *spelled))
     return found
@@ -63,12 +58,14 @@ def _of_both(dimension: str, low: float, high: float, name: str, letters: str, w
 CONDITIONS: Mapping[str, Column] = {
     "ratio.geometric": Column(
         "ratio", 0.1, 10.0, "r_S/r_P, above 1 is underdrive",
-        ("geometric ratio", "i_geo", "i_geom", "r_S/r_P", "r2/r1", "pulley ratio", "geometrische Übersetzung", "Radienverhältnis"),
+        ("geometric ratio", "i_geo", "i_geom", "r_S/r_P", "r2/r1", "pulley ratio", "geometrische Übersetzung", "Radienverhältnis",
+         "rapport géométrique"),
     ),
     "ratio.speed": Column(
         "ratio", 0.1, 10.0, "primary speed/secondary speed, in place of ratio.geometric",
         ("i", "speed ratio", "i_speed", "n_P/n_S", "n1/n2", "n_in/n_out", "n_an/n_ab", "ratio", "gear ratio", "transmission ratio", "CVT ratio",
-         "variator ratio", "Übersetzung", "Uebersetzung", "Übersetzungsverhältnis", "Drehzahlverhältnis"),
+         "variator ratio", "Übersetzung", "Uebersetzung", "Übersetzungsverhältnis", "Drehzahlverhältnis", "rapport",
+         "rapport de transmission", "rapport des vitesses"),
     ),
     **_of_both("speed", 1.0, 2000.0, "speed", "n w omega N", "speed, rpm, Drehzahl", {
         "primary": "speed of the primary pulley",
@@ -97,10 +94,10 @@ QUANTITIES: Mapping[str, Quantity] = {
     ),
     "slip": Quantity(
         "ratio", -0.5, 0.5, "1 - secondary speed/primary speed * ratio.geometric",
-        ("belt slip", "slip ratio", "nu", "Schlupf", "Riemenschlupf"), absolute=5e-4, relative=0.05,
+        ("belt slip", "slip ratio", "nu", "Schlupf", "Riemenschlupf", "glissement"), absolute=5e-4, relative=0.05,
     ),
     "efficiency": Quantity(
-        "ratio", 0.01, 1e3, "driven power/driving power, at most 1", ("eta", "eff", "Wirkungsgrad"), absolute=3e-3
+        "ratio", 0.01, 1e3, "driven power/driving power, at most 1", ("eta", "eff", "Wirkungsgrad", "rendement"), absolute=3e-3
     ),
     "di/dt": Quantity("rate", -100.0, 100.0, "shift rate, i = ratio.geometric", ("didt",), absolute=0.01, relative=0.05),
     "ds/dt": Quantity("rate", -100.0, 100.0, "shift rate, s = 1/ratio.geometric", ("dsdt",), absolute=0.01, relative=0.05),
@@ -115,9 +112,15 @@ COLUMNS: Mapping[str, Column] = {
     **QUANTITIES,
     NAME: Column("text", 0.0, 0.0, "a name for the report", ("label", "point name", "operating point", "Bezeichnung")),
     SERIES: Column("text", 0.0, 0.0, "name of a recorded shift; with time, each of its rows is a sample", ("shift", "run", "series no")),
+    STEP: Column(
+        "text", 0.0, 0.0, "number of a step of the program, whose rows are averaged",
+        ("step no", "step number", "step id", "Stufe", "Laststufe", "Schritt", "Prüfschritt", "étape", "palier", "stage"),
+    ),
     TIME: Column(
         "time", -1e12, 1e19, "time of a sample: of a recorded shift, or of a time series whose plateaus are the points",
-        ("t", "timestamp", "time stamp", "Zeit", "Uhrzeit", "Zeitstempel", "date", "date time", "Datum", "Datum Uhrzeit"), "s",
+        ("t", "timestamp", "time stamp", "Zeit", "Uhrzeit", "Zeitstempel", "date", "date time", "Datum", "Datum Uhrzeit",
+         "t_rel", "t_abs", "elapsed time",
+         "relative time", "X_Value", "master", "Sekunden", "seconds", "Messzeit", "Laufzeit", "temps"), "s",
     ),
 }  # fmt: skip
 
@@ -133,4 +136,5 @@ def template() -> str:
         for name, one in columns.items():
             lines.append(f"#     {name} [{' or '.join(units.usual(one.dimension))}]: {one.meaning}".replace(",", ";"))
     lines.append("#     ….sd: standard deviation of a measured column; the default is an assumed one")
-    return "\n".join([*lines, "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED), EXAMPLES])
+    lines.append("# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED))
+    return "\n".join([*lines, EXAMPLES.read_text(encoding="utf-8")])

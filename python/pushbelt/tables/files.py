@@ -7,6 +7,7 @@ import csv
 import gzip
 import io
 import re
+import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -25,6 +26,12 @@ if TYPE_CHECKING:
 SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
 """Signs between columns, in the order of preference."""
 LARGEST = 1_000_000_000  # Largest file, bytes
+LEAST_NAMES = 3  # Number of known columns from which a sheet is a table beside another one with the same
+OTHERS = {
+    b"\x89HDF": "an HDF5 or new MATLAB file", b"MATLAB 5.0": "a MATLAB file", b"TDSm": "a TDMS file", b"CDF": "a netCDF file",
+    b"\x93NUMPY": "a NumPy file", b"ARROW1": "a Feather file", b"\xd0\xcf\x11\xe0": "an old Excel file",
+}  # fmt: skip
+"""Files that are no tables by the bytes with which they start."""
 HEAD = 60  # Rows in which the header is searched
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
          codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}  # fmt: skip
@@ -43,13 +50,14 @@ class Cells(NamedTuple):
     line of each row in the file, from 1."""
     source: str  # Encoding and separator, or the name of the sheet, for people
     separator: str = ""  # Sign between columns; empty in a spreadsheet
+    remarks: tuple[str, ...] = ()  # What is not read
 
     def head(self) -> list[list[str]]:
         """The first rows as text without blanks around the cells."""
         return [[str(cell).strip() for cell in row] for row in self.frame.iloc[:HEAD].itertuples(index=False)]
 
 
-def read(path: Path, names: Names, sheet: str | None = None) -> Cells:
+def read(path: Path, names: Names, sheet: str | None = None, encoding: str | None = None) -> Cells:
     """Cells of a file. The separator or the sheet is the one with most known names. Raises TextError if the file is not a
     table, OSError if it cannot be read."""
     size = path.stat().st_size
@@ -67,18 +75,33 @@ def read(path: Path, names: Names, sheet: str | None = None) -> Cells:
         return _mf4(data, names)
     if data.startswith(b"PAR1"):
         return _parquet(data)
+    kind = _zipped(data) if data.startswith(b"PK\x03\x04") else next((OTHERS[start] for start in OTHERS if data.startswith(start)), None)
+    if re.match(rb'(?:\xef\xbb\xbf)?\s*(?:[{\[]\s*["{\[\]}]|<(?:[?!]|html))', data[:200], re.IGNORECASE):
+        kind = "XML or HTML" if b"<" in data[:10] else "JSON"
+    if kind is not None:
+        raise TextError(f"this is {kind}, not a table: export it as CSV, .xlsx, Parquet or MDF")
     if data.startswith(b"PK\x03\x04"):
         return _spreadsheet(data, names, sheet)
-    if data.startswith(b"\xd0\xcf\x11\xe0"):
-        raise TextError("this is an old Excel file: save it as .xlsx or CSV")
-    return _text(data, names)
+    return _text(data, names, encoding)
+
+
+def _zipped(data: bytes) -> str | None:
+    """What a zip archive is; None if it may be a workbook."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            inside = archive.namelist()
+            if "mimetype" in inside and b"opendocument" in archive.read("mimetype")[:80]:
+                return "an OpenDocument file"
+    except (zipfile.BadZipFile, RuntimeError, zlib.error):
+        return None
+    return "a binary workbook" if "xl/workbook.bin" in inside else None if "[Content_Types].xml" in inside else "a zip archive"
 
 
 # Text
 
 
-def _decoded(data: bytes) -> tuple[str, str]:
-    encoding = next((name for mark, name in MARKS.items() if data.startswith(mark)), None)
+def _decoded(data: bytes, encoding: str | None = None) -> tuple[str, str]:
+    encoding = encoding or next((name for mark, name in MARKS.items() if data.startswith(mark)), None)
     if encoding is None and data[:4000].count(0):
         # UTF-16 without a mark: the zeros of Latin text are at odd places if the low byte comes first.
         even, odd = data[0:4000:2].count(0), data[1:4000:2].count(0)
@@ -88,15 +111,16 @@ def _decoded(data: bytes) -> tuple[str, str]:
     for candidate in [encoding] if encoding else ["utf-8", "cp1252", "latin-1"]:
         try:
             return data.decode(candidate).lstrip("\N{ZERO WIDTH NO-BREAK SPACE}"), candidate.removesuffix("-sig")
-        except UnicodeDecodeError as error:
+        except (UnicodeDecodeError, LookupError) as error:
             reason = error
     raise TextError(f"the file is not text in {encoding}: {reason}")
 
 
-def _text(data: bytes, names: Names) -> Cells:
+def _text(data: bytes, names: Names, known: str | None) -> Cells:
     import pandas as pd
 
-    text, encoding = _decoded(data)
+    text, encoding = _decoded(data, known)
+    guessed = encoding in ("cp1252", "latin-1") and known is None
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     declared = re.fullmatch(r'\s*"?sep=(.)"?[\s;,\t]*', lines[0], re.IGNORECASE)
     lines = _with_header([*[""] * bool(declared), *lines[bool(declared) :]], names)
@@ -117,7 +141,8 @@ def _text(data: bytes, names: Names) -> Cells:
     breaks = frame.apply(lambda column: column.str.count("\n")).sum(axis=1).to_numpy(dtype=int)
     frame.index = 1 + np.arange(len(frame)) + np.cumsum(breaks) - breaks
     frame = frame.apply(lambda column: column.str.replace(r"\s*\n\s*", " ", regex=True).str.strip())
-    return Cells(frame[(frame != "").any(axis=1)], name, separator)
+    remarks = (f"the text is no UTF-8 and is read as {encoding.upper()}; --encoding names another, such as shift_jis or gbk",)
+    return Cells(frame[(frame != "").any(axis=1)], name, separator, remarks * guessed)
 
 
 def _split(line: str, separator: str) -> list[str]:
@@ -182,20 +207,39 @@ def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
     if wanted is not None and wanted not in values.sheetnames:
         raise TextError(f"there is no sheet {wanted}; there are {', '.join(values.sheetnames)}")
     sheets = [sheet for sheet in values.worksheets if wanted in (None, sheet.title)]
-    found = [cells for sheet in sheets if len((cells := _sheet(sheet, formulas[sheet.title])).frame)]
-    if not found:
-        raise TextError("the table is empty")
-    return max(found, key=lambda cells: max(map(names.count, cells.head())))
+    hidden = [sheet.title for sheet in sheets if sheet.sheet_state != "visible" and wanted is None]
+    found = {sheet.title: cells for sheet in sheets if len((cells := _sheet(sheet, formulas[sheet.title])).frame)}
+    shown = [name for name in found if name not in hidden]
+    if not shown:
+        raise TextError(f"all tables are in hidden sheets: --sheet reads one of {', '.join(hidden)}" if found else "the table is empty")
+    own = {name: {split[0][0] for row in found[name].head() for cell in row if (split := names.split(cell))} for name in shown}
+    best = max(shown, key=lambda name: max(map(names.count, found[name].head())))
+    same = [name for name in shown if len(own[name]) >= LEAST_NAMES and (own[name] <= own[best] or own[name] >= own[best])]
+    if len(same) > 1:
+        raise TextError(f"the sheets {', '.join(same)} have the same columns: --sheet says which one is read")
+    others = [f"sheet {name} is {'hidden and ' * (name in hidden)}not read" for name in found if name != best]
+    return found[best]._replace(remarks=(*others, *found[best].remarks))
 
 
 def _sheet(values: Any, formulas: Any) -> Cells:
-    """The cells of a sheet. Empty rows and remarks are left out."""
+    """The cells of a sheet. Empty rows and remarks are left out, and rows of numbers that are hidden or struck out, which are named."""
     import pandas as pd
 
     frame = pd.DataFrame([[*map(_cell, *pair)] for pair in zip(values.iter_rows(), formulas.iter_rows(), strict=False)], dtype=object)
     texts = [[str(cell) for cell in row if str(cell) != ""] for row in frame.itertuples(index=False)]
-    keep = [line for line, row in enumerate(texts) if row and (len(row) > 3 or not is_remark(row[0]))]
-    return Cells(frame.set_axis(frame.index + 1).iloc[keep], f"sheet {values.title}")
+    keep, unseen = [], {"hidden": [], "struck out": []}  # type: ignore[var-annotated]
+    for line, (row, cells) in enumerate(zip(texts, values.iter_rows(), strict=True)):
+        numbers = [cell for cell in cells if isinstance(cell.value, (int, float))]
+        if numbers and values.row_dimensions[line + 1].hidden:
+            unseen["hidden"].append(line + 1)
+        elif any(cell.font is not None and cell.font.strike for cell in numbers):
+            unseen["struck out"].append(line + 1)
+        elif row and (len(row) > 3 or not is_remark(row[0])):
+            keep.append(line)
+    remarks = [f"{len(rows)} rows are {why} and not read: {', '.join(map(str, rows[:HEAD]))}" for why, rows in unseen.items() if rows]
+    columns = [name for name, one in values.column_dimensions.items() if one.hidden]
+    remarks += [f"hidden columns are read: from {', '.join(columns)}"] * bool(columns)
+    return Cells(frame.set_axis(frame.index + 1).iloc[keep], f"sheet {values.title}", remarks=tuple(remarks))
 
 
 def _cell(cell: Any, formula: Any) -> str | float:
@@ -204,7 +248,7 @@ def _cell(cell: Any, formula: Any) -> str | float:
     if value is None:
         return "=" if formula.data_type == "f" else ""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return str(value).strip()
+        return " ".join(str(value).split())
     return Percent(100.0 * value) if "%" in str(cell.number_format) else value
 
 
@@ -232,9 +276,16 @@ def _mf4(data: bytes, names: Names) -> Cells:
         from asammdf import MDF
 
         with MDF(io.BytesIO(data)) as file:
-            for name, ((group, index), *_) in file.channels_db.items():
-                title = name.split("\\")[0]
-                if file.masters_db.get(group) == index or not names.count([title]):
+            # A channel may be listed under several names, and several channels under one.
+            listed: dict[tuple[int, int], str] = {}
+            for name, places in sorted(file.channels_db.items(), key=lambda item: len(item[0])):
+                for group, index in places:
+                    if file.masters_db.get(group) != index:
+                        listed.setdefault((group, index), name.split("\\")[0])
+            for (group, index), name in sorted(listed.items()):
+                double = list(listed.values()).count(name) > 1
+                title = f"{name} group {group} channel {index}" if double else name
+                if not names.count([title]):
                     continue
                 signal = file.get(group=group, index=index)
                 if np.issubdtype(signal.samples.dtype, np.number) and signal.samples.ndim == 1:

@@ -1,6 +1,7 @@
 """Titles of columns: a known name and a unit, in English and German.
 
-Names are compared without case, blanks and points. `Drehzahl der Primärscheibe` and `input speed` are words for pulley and quantity.
+Names are compared without case, blanks, points and brackets; any other sign makes another name. `Drehzahl der Primärscheibe` and
+`input speed` are words for pulley and quantity.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 from . import units
 
@@ -18,21 +19,26 @@ DEVIATION = ".sd"  # Suffix of a column of standard deviations
 CLOSE = 0.82  # Similarity above which an unknown name is taken for a misspelled one
 LETTERS = str.maketrans({
     "ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s",
+    "é": "e", "è": "e", "ê": "e", "à": "a",
 })  # fmt: skip
+WIDE = str.maketrans("（）［］｛｝", "()[]{}")
 WORDS = {
     "side": {
-        "primary": "primary primär primaer primäre primärer primäres pri prim input in drive driving antrieb antriebs an eingang eingangs",
+        "primary": "primary primär primaer primäre primärer primäres pri prim input in drive driving antrieb antriebs an eingang eingangs "
+        "primaire menante entree",
         "secondary": "secondary sekundär sekundaer sekundäre sekundärer sekundäres sec sek output out driven abtrieb abtriebs ab ausgang "
-        "ausgangs",
+        "ausgangs secondaire menee sortie desortie",
     },
     "quantity": {
-        "speed": "speed rpm rotationalspeed angularspeed angularvelocity drehzahl winkelgeschwindigkeit",
-        "torque": "torque moment drehmoment",
+        "speed": "speed rpm rotationalspeed angularspeed angularvelocity drehzahl winkelgeschwindigkeit vitesse vitessederotation regime",
+        "torque": "torque moment drehmoment couple",
         "clampingForce": "clampingforce clampforce clamping force axialforce thrust thrustforce anpresskraft anpreßkraft klemmkraft spannkraft "
-        "axialkraft kraft",
-        "pressure": "pressure oilpressure clampingpressure druck öldruck oeldruck anpressdruck anpreßdruck",
+        "axialkraft kraft effort effortaxial effortdeserrage forceaxiale forcedeserrage poussee",
+        "pressure": "pressure oilpressure clampingpressure druck öldruck oeldruck anpressdruck anpreßdruck pression "
+        "pressionhuile",
     },
-    "filler": {"": "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on"},
+    "filler": {"": "pulley shaft sheave disc side scheibe scheiben scheibensatz welle wellen seite seitig der des am of the at on poulie "
+        "arbre de du"},
 }
 """Words of titles by what they mean."""
 BARE = {"speed": "primary.speed", "torque": "primary.torque", "clampingForce": "secondary.clampingForce"}
@@ -45,10 +51,16 @@ INVERSE = {
 """Titles of inverse columns."""
 
 
+def unquoted(title: str) -> str:
+    return re.sub(r"""^(["'])(.*)\1$""", r"\2", title.strip()).strip().strip('"')
+
+
+@lru_cache(10_000)
 def key(name: str) -> str:
-    """A name without case, blanks and signs. The division stays."""
-    name = unicodedata.normalize("NFC", name).strip().lower().translate(LETTERS)
-    return re.sub(r"[^a-z0-9/äöüß]", "", name)
+    """A name without case, blanks, points, hyphens and brackets. Any other letter or sign distinguishes it: `F_P*` is not `F_P`."""
+    name = unicodedata.normalize("NFC", unquoted(name)).strip().lower().translate(LETTERS)
+    name = re.sub(r"\b[dl]['’](?=\w)", "", name)  # Couple d'entrée
+    return re.sub(r"[\s_.,:;^~$(){}\[\]\N{HYPHEN}-\N{EM DASH}-]", "", name)
 
 
 _MEANING = {w: (kind, value) for kind, group in WORDS.items() for value, words in group.items() for w in words.split()}
@@ -90,6 +102,7 @@ class Names:
             for spelled in (name, *column.aliases):
                 self._known.setdefault(key(spelled), []).append(name)
         self.split = cache(self._split)  # Known names and units of a title, possibly several if the unit decides
+        self.contained = cache(self._contained)  # The known name, with a pulley, that an unknown title contains; None without one
 
     def find(self, written: str) -> list[str]:
         """Known names with this spelling."""
@@ -106,16 +119,34 @@ class Names:
     def close(self, title: str) -> str | None:
         """The known name that is probably meant by an unknown title."""
         known = [name for name in self._known if len(name) > 3]
-        for spelled in (key(written) for written, _ in splits(title)):
-            if len(spelled) > 3 and (near := difflib.get_close_matches(spelled, known, 1, CLOSE)):
+        for spelled in (key(written) for written, _ in self._splits(title)):
+            # A sign such as * or Δ is no slip of the pen.
+            plain = len(spelled) > 3 and re.fullmatch(r"[a-z0-9/äöüß]+", spelled)
+            if plain and (near := difflib.get_close_matches(spelled, known, 1, CLOSE)):
                 return self._known[near[0]][0]
         return None
 
     def count(self, cells: Sequence[str]) -> float:
-        """Number of different known names among titles, and of mapped ones. One without a pulley counts half."""
-        found = {split[0][0]: 0.5 if self.bare(cell) else 1.0 for cell in cells if (split := self.split(cell))}
-        own = sum(any(same(cell, one) for one in self.mapped) and not self.split(cell) for cell in cells if cell)
-        return sum(found.values()) + own
+        """Number of different known names among titles, and of mapped ones. One without a pulley counts half, one that an unknown title
+        contains a tenth."""
+        found: dict[str, float] = {}
+        # `rpm` in a row of units is no name.
+        for cell in (cell for cell in cells if not units.dimensions(cell)):
+            if split := self.split(cell):
+                found[split[0][0]] = 0.5 if self.bare(cell) else 1.0
+            elif any(same(cell, one) for one in self.mapped if cell):
+                found[cell] = 1.0
+            elif name := self.contained(cell):
+                found.setdefault(name, 0.1)
+        return sum(found.values())
+
+    def _contained(self, title: str) -> str | None:
+        words = re.findall(r"[a-zäöüß0-9]+", next(splits(title))[0].lower().translate(LETTERS))
+        for length in (4, 3, 2, 1) if any(map(str.isalpha, title)) else ():
+            for part in (" ".join(words[k : k + length]) for k in range(len(words) - length + 1)):
+                if len(key(part)) > 1 and not self.bare(part) and (found := self.find(part)):
+                    return found[0]
+        return None
 
     def _split(self, title: str) -> list[tuple[str, str | None]]:
         if not any(map(str.isalpha, title)):
@@ -124,7 +155,7 @@ class Names:
         # T_S is a torque, not a T in S; t_s is a time.
         if re.fullmatch(r"\w+", title.strip()) and title.strip() != "t_s" and (whole := self._known.get(key(title))):
             return [(name, None) for name in whole]
-        for written, unit in splits(title):
+        for written, unit in self._splits(title):
             found, end = self.find(written), ""
             if not found and (base := without_deviation(written)) is not None:
                 found, end = self.find(base), DEVIATION
@@ -132,6 +163,13 @@ class Names:
             if fitting := [n for n in found if unit is None or bracketed or units.find(unit, self.columns[n].dimension)]:
                 return [(name + end, unit) for name in fitting]
         return []
+
+    def _splits(self, title: str) -> Iterable[tuple[str, str | None]]:
+        """Without pairs like `n_P` and `Mean` of `n_P (Mean)`, which is another quantity."""
+        for written, unit in splits(title):
+            word = unit is not None and title.rstrip()[-1:] in ")）" and re.fullmatch(r"[^\W\d_]{3,}", unit)
+            if not word or units.dimensions(unit) or self.find(unit):
+                yield written, unit
 
     def inverse(self, title: str) -> str | None:
         """The name such as `1/ratio.speed` of a title that says so; `i (n_S/n_P)` does as well."""
@@ -148,8 +186,8 @@ def without_deviation(name: str) -> str | None:
 
 def splits(title: str) -> Iterable[tuple[str, str | None]]:
     """Possible pairs of name and unit of a title, the most explicit one first."""
-    title = title.strip().strip("\"'").strip()
-    bracketed = re.fullmatch(r"(.*?)[\s_,;:/-]*(?:\[([^\]]*)\]|\{([^}]*)\}|\((.*)\))\s*", title)
+    title = unquoted(title.translate(WIDE))
+    bracketed = re.fullmatch(r"(.*?)[\s_,;:/-]*(?:\[([^\]]*)\]|\{([^}]*)\}|\(([^()]*(?:\([^()]*\))?[^()]*)\))\s*", title)
     if bracketed and bracketed[1]:
         yield bracketed[1], next(group for group in bracketed.groups()[1:] if group is not None)
     for pattern in (r"(.+?)\s+/\s*(\S.*)", r"(.+)/(\S+)", r"(.+?)\s*,\s*(\S.*)", r"(.+?)\s+in\s+(\S.*)"):

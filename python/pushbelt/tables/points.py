@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ..fmu.data import pitch_radius
+from ..fmu.closing import closing_force, sheave_position
 from . import plausible, series, units
 from . import sheet as sheets
 from .columns import (
-    COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, TIME,
+    COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, TIME,
 )  # fmt: skip
 from .names import DEVIATION
-from .sheet import MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
+from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
 
 Array = np.ndarray
 AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
@@ -75,7 +75,7 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
     if SERIES not in sheet.taken and not sheet.faults:
-        sheet = series.averaged(sheet, TIME, tuple(CONDITIONS), NAME)
+        sheet = series.averaged(sheet, TIME, STEP, tuple(CONDITIONS), NAME, reading.as_written)
     points = _Points(sheet, parameters)
     rig = points.rig()
     sheet.remarks += plausible.check(sheet, points.checked, lambda changed: _Points(changed, parameters).checked, reading.as_written)
@@ -117,7 +117,8 @@ class _Points:
             missing.insert(0, "ratio.geometric or ratio.speed")
         if missing:
             unknown = f"; unknown are {', '.join(self.sheet.ignored)}" if self.sheet.ignored else ""
-            self._fault(f"there is no column {', '.join(missing)}{unknown}")
+            meant = [f"; {remark}" for remark in self.sheet.remarks if remark.startswith(MEANT)]
+            self._fault(f"there is no column {', '.join(missing)}{unknown}{''.join(meant)}")
         for name in self.sheet.taken:
             base = name.removesuffix(DEVIATION)
             if base not in self.sheet.taken and base not in self.values:
@@ -146,19 +147,18 @@ class _Points:
     def _force(self, pulley: str, other: str) -> None:
         """The clamping force from the oil pressure, F = p A + F₀ − k z + c ω², as in the FMU without its seals."""
         pressure, force = f"{pulley}.pressure", f"{pulley}.clampingForce"
-        area, spring, stiffness, centrifugal = (
-            self.parameters.get(f"{pulley}.cylinder.{name}", 0.0) for name in ("area", "springForce", "springStiffness", "centrifugal")
-        )
-        if not area:
+        known, speed, place = self.parameters, 0.0, 0.0
+        centrifugal = known.get(f"{pulley}.cylinder.centrifugal", 0.0)
+        if not known.get(f"{pulley}.cylinder.area", 0.0):
             self.sheet.failed.add(force)
             text = f"a pressure gives no force without the area of the piston: {pulley}.cylinder.area in the parameter set or by --set"
             return self._fault(text, None, pressure)
         turns = self._get("ratio.speed" if self._has("ratio.speed") else "ratio.geometric")
-        found = area * self.values[pressure] + spring
         if centrifugal:
-            found += centrifugal * self._get(f"{pulley}.speed", self._get(f"{other}.speed") * turns ** (1 if pulley == "primary" else -1)) ** 2
-        if stiffness:
-            found -= stiffness * np.array([self._position(pulley, ratio) for ratio in self._get("ratio.geometric", turns)])
+            speed = self._get(f"{pulley}.speed", self._get(f"{other}.speed") * turns ** (1 if pulley == "primary" else -1))
+        if known.get(f"{pulley}.cylinder.springStiffness", 0.0):
+            place = np.array([sheave_position(known, pulley, ratio) for ratio in self._get("ratio.geometric", turns)])
+        found = closing_force({**known, force: 0.0, pressure: self.values[pressure]}, pulley, place, speed)
         self.values[force] = found
         low, high = CONDITIONS[force].low, CONDITIONS[force].high
         limits = f"not within {low:g} to {high:g} N"
@@ -166,13 +166,6 @@ class _Points:
         self.sheet.remarks.append(f"{force} is the force of {pulley}.cylinder at {self.sheet.title(pressure)}")
         if not centrifugal:
             self.sheet.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
-
-    def _position(self, pulley: str, ratio: float) -> float:
-        """Position of a movable sheave, 2 tanβ (r − r(1)), m."""
-        if not ratio > 0.0:
-            return math.nan
-        radius = pitch_radius(self.parameters, ratio) * (ratio if pulley == "secondary" else 1.0)
-        return 2.0 * math.tan(self.parameters["geometry.wedgeAngle"]) * (radius - pitch_radius(self.parameters, 1.0))
 
     def _ratios(self) -> None:
         """The speed ratio from both speeds; agreement of the ratios with each other; the slip from both ratios."""

@@ -1,4 +1,4 @@
-"""Plateaus of a time series: stretches in which no channel changes, each averaged to a row."""
+"""Plateaus of a recording: stretches in which no channel changes, each averaged to a row."""
 
 from __future__ import annotations
 
@@ -8,59 +8,117 @@ from dataclasses import replace
 import numpy as np
 
 from .names import DEVIATION
-from .sheet import Fault, Sheet
+from .sheet import SHOWN, Fault, Sheet
 
 Array = np.ndarray
 
-FEWEST = 20  # Rows from which a table with ascending times may be a time series
-MANY = 200  # Rows from which a table is one in any case: so many points are not measured one by one
+MANY = 200  # Rows from which a table with times at most `RASTER` apart is a time series, also if it never rests
+RASTER = 2.0  # s
 HALF, SAMPLES = 0.25, 3
 """The means of two adjacent windows are compared: their length in seconds, and their least number of samples. A plateau is at least three
 windows long; its first and last one are not averaged, since the rig settles there."""
-WITHOUT_TIME = 25  # Samples of a window if the table has no times
+WITHOUT_TIME = 25, SAMPLES  # Samples of a window if the table has no times; the second if the first gives too few plateaus
+BACK = 0.1  # Largest share of times that are before those of the row above, in a column of times
+NEAR = 0.1  # Rows that agree differ by at most this share of a channel's range
 NOISE = 5.0  # A change above this multiple of the usual scatter of the differences ends a plateau …
 LEAST, LARGEST = 0.003, 0.02  # … but not one below the first share of the channel's level, and any above the second
 SPIKE = 8.0  # A sample that is further from the plateau's median, in standard deviations, is not averaged
 
 
-def averaged(sheet: Sheet, time: str, names: Sequence[str], name: str) -> Sheet:
-    """A time series as a row for each plateau, with the standard errors; any other table as it is. `names` are the channels that are
-    compared, `name` the column for the plateaus' names."""
+def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str, as_points: bool = False) -> Sheet:
+    """A recording as a row for each plateau, with the standard errors; any other table as it is. `names` are the channels that are
+    compared, `time` and `step` the columns of times and of the numbers of a program's steps, `name` that for the plateaus' names.
+    Without times a recording can be taken `as_points`."""
     import pandas as pd
 
     channels = {channel: sheet.values[channel] for channel in names if channel in sheet.values}
-    timed = time in sheet.values
-    times = sheet.values[time].copy() if timed else np.arange(len(sheet), dtype=float)
+    texts = sheet.texts.get(step, np.empty(0))
+    labels = np.cumsum(np.append(False, texts[1:] != texts[:-1])) if len(texts) else None  # Numbers that change where the step does
+    times, remark = _clock(sheet.values.get(time), sheet.lines, channels.values())
+    timed = times is not None
+    times = np.arange(len(sheet), dtype=float) if times is None else times
     good = np.isfinite(times)
     steps = [np.diff(times[good & np.isfinite(values)]) for values in channels.values()]
-    step = min((float(np.median(own)) for own in steps if len(own)), default=0.0)
-    if good.sum() < (FEWEST if timed else MANY) or not (np.diff(times[good]) >= 0.0).all() or step <= 0.0:
+    raster = min((float(np.median(own)) for own in steps if len(own)), default=0.0)
+    together = _together(channels.values())
+    # Different points may have a step in common, too.
+    inside = np.zeros(1, dtype=bool) if labels is None or labels[-1] == 0 else together[np.diff(labels) == 0]
+    stepped = bool(inside.size) and inside.mean() > 0.5
+    recorded = timed and raster <= RASTER and len(sheet) >= MANY and _smooth(channels.values())
+    if raster <= 0.0 or not (stepped or recorded or together.mean() > 0.5 and (timed or not as_points)):
         return sheet
-    half = max(SAMPLES, round(HALF / step)) if timed else WITHOUT_TIME
-    # A pause of the recording has the length of two windows.
-    times[good] -= np.cumsum(np.maximum(np.diff(times[good], prepend=times[good][0]) - 2 * half * step, 0.0))
-    grid = np.arange(times[good][0], times[good][-1] + 0.5 * step, step)
-    own = {channel: good & np.isfinite(values) for channel, values in channels.items()}
-    raw = pd.DataFrame({c: np.interp(grid, times[there], channels[c][there]) for c, there in own.items() if there.any()})
-    # Without spikes of one or two samples.
-    found = _plateaus(raw.rolling(5, center=True, min_periods=1).median().to_numpy(), raw.to_numpy(), half)
-    enough = sum(end - start + 2 * half for start, end in found) > 0.5 * len(grid)
-    if not enough and (not timed or step > 2.0 or len(sheet) < MANY):
-        return sheet
+    sheet.remarks += remark
+    for half in (max(SAMPLES, round(HALF / raster)),) if timed else WITHOUT_TIME:
+        # A pause of the recording has the length of two windows.
+        apart = np.maximum(np.diff(times[good], prepend=times[good][0]) - 2 * half * raster, 0.0)
+        own_times = times.copy()
+        own_times[good] -= np.cumsum(apart)
+        grid = np.arange(own_times[good][0], own_times[good][-1] + 0.5 * raster, raster)
+        own = {channel: good & np.isfinite(values) for channel, values in channels.items()}
+        raw = pd.DataFrame({c: np.interp(grid, own_times[there], channels[c][there]) for c, there in own.items() if there.any()})
+        # Without spikes of one or two samples.
+        found = _plateaus(raw.rolling(5, center=True, min_periods=1).median().to_numpy(), raw.to_numpy(), half)
+        if enough := sum(end - start + 2 * half for start, end in found) > 0.5 * len(grid):
+            break
+    if not enough and (stepped or not (timed and len(sheet) >= MANY)):
+        # Rows of a step, or that agree with the one above, in place of windows.
+        runs = np.flatnonzero(np.diff(labels) if stepped and labels is not None else ~together) + 1
+        found = [(start, end) for start, end in zip([0, *runs], [*runs, len(sheet)], strict=True) if end - start > 1]
+        own_times, grid, raster = np.arange(len(sheet), dtype=float), np.arange(len(sheet), dtype=float), 1.0
+        raw = pd.DataFrame(channels).interpolate(limit_direction="both")
     drifting = [span for span in found if any(_drifts(values, span) for values in raw.to_numpy().T)]
-    spans = [(grid[start] - 0.5 * step, grid[end - 1] + 0.5 * step) for start, end in found if (start, end) not in drifting]
-    reduced, described = _rows(sheet, times, spans, time, name, raw.columns)
-    length = f" and {np.ptp(times[good]):.4g} s" if timed else ""
+    spans = [(grid[start] - 0.5 * raster, grid[end - 1] + 0.5 * raster) for start, end in found if (start, end) not in drifting]
+    reduced, described = _rows(sheet, own_times, spans, time, name, raw.columns)
+    unit, length = "s" if timed and enough else "rows", f" and {np.ptp(times[good]):.4g} s" * timed
+    unused = len(sheet) - sum(int(((own_times >= start) & (own_times < end)).sum()) for start, end in spans)
     reduced.remarks += [
-        f"a time series of {len(sheet)} rows{length}: {len(spans)} plateaus",
-        *(f"from {grid[start]:.4g} to {grid[end - 1]:.4g} s the channels drift: not used" for start, end in drifting),
+        f"a recording of {len(sheet)} rows{length}: {len(spans)} plateaus; {unused} rows outside are not used",
+        *(f"from {grid[start]:.4g} to {grid[end - 1]:.4g} {unit} the channels drift: not used" for start, end in drifting),
         *described,
     ]
     if not spans:
         why = f": in {len(drifting)} stretches the channels drift" if drifting else ""
-        text = f"a time series without a plateau of {3 * half * step:.3g} s{why}; for recorded shifts add a column series"
+        text = f"a recording without a plateau of {3 * half * raster:.3g} {unit}{why}; for recorded shifts add a column series"
+        text += "; a column step averages the rows of a step; --as-written takes each row as a point" * (not timed)
         reduced.faults.append(Fault(text))
     return reduced
+
+
+def _clock(times: Array | None, lines: Array, channels: Iterable[Array]) -> tuple[Array | None, list[str]]:
+    """Times that ascend, and a remark where they did not; None if they are no clock of the rows."""
+    if times is None or (good := np.isfinite(times)).sum() < 2:
+        return None, []
+    steps = np.diff(times[good])
+    back = steps < 0.0
+    rasters = [np.diff(times[good & np.isfinite(own)]) for own in channels]
+    usual = max((float(np.median(raster)) for raster in rasters if len(raster)), default=0.0)
+    if usual <= 0.0 or back.mean() > BACK:
+        return None, ["the times do not ascend: the rows are taken as equally apart"]
+    found = times.copy()
+    found[good] = times[good][0] + np.cumsum(np.append(0.0, np.where(back, usual, steps)))
+    where = ", ".join(map(str, lines[good][1:][back][:SHOWN]))
+    return found, [f"the time goes back at line {where}: the clock is taken to go on"] * bool(back.any())
+
+
+def _together(channels: Iterable[Array]) -> Array:
+    """Whether each row agrees in all channels with the one above within the scatter of the second differences."""
+    found: Array | None = None
+    for values in channels:
+        found = np.ones(max(len(values) - 1, 0), dtype=bool) if found is None else found
+        rows = np.flatnonzero(np.isfinite(values))
+        if len(rows) > 1:
+            own, level = values[rows], np.quantile(np.abs(values[rows]), 0.95)
+            scatter = np.median(np.abs(np.diff(own, 2))) / 1.652 if len(own) > 2 else 0.0  # σ √6 · 0.674 for white noise
+            limit = min(max(NOISE * scatter, LEAST * level), max(LARGEST * level, NEAR * np.ptp(own)))
+            found[rows[1:] - 1] &= np.abs(np.diff(own)) <= limit
+    return np.zeros(1, dtype=bool) if found is None or not found.size else found
+
+
+def _smooth(channels: Iterable[Array]) -> bool:
+    """Whether rows that follow each other are closer than rows that are far apart, in most channels that change."""
+    finite = [own for values in channels if len(own := values[np.isfinite(values)]) > 1 and np.ptp(own) > 0.0]
+    closer = [np.median(np.abs(np.diff(own))) < 0.5 * np.median(np.abs(own - np.roll(own, len(own) // 2))) for own in finite]
+    return 2 * sum(closer) >= len(closer)
 
 
 def _plateaus(even: Array, raw: Array, half: int) -> list[tuple[int, int]]:

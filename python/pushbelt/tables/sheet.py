@@ -5,7 +5,8 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -27,10 +28,20 @@ MOST = 0.5  # Share of a column's values with a fault from which the whole colum
 SHOWN = 12  # Largest number of faults that an error lists in full
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
 """Titles of columns that count the rows."""
+STATISTICS = frozenset(map(key, "mean average avg median min max minimum maximum mittel mittelwert mittelwerte durchschnitt summe sum "
+    "total std stddev stdev sd sigma stdabw standardabweichung streuung varianz variance range moyenne écart-type ø".split()))  # fmt: skip
+"""Words of rows that are computed from other rows."""
+VALID = {key(word): good for words, good in (("valid isvalid validity gültig gueltig ok use used include verwenden valide", True),
+         ("invalid ungültig outlier ausreißer exclude excluded reject rejected bad", False)) for word in words.split()}  # fmt: skip
+"""Titles of columns that say whether a row is valid, or that it is not."""
+YES = frozenset("1 10 true wahr vrai yes y ja j oui x ok gültig valid".split())
 SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their numbers agree
 SEVERAL = 3  # Least number of values without a unit that are read as per cent
 SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
+MEANT = "not read; if"  # Start of the remark that says how an unknown column is read
+TIMED = re.compile(r"zeit|time|temps|stamp|clock|(?:^|[\[({/,]|\bin )\s*(?:s|ms|us|µs|sec|sek)\s*[\])}]*$")  # Titles of times
+ASCENDING = 0.9  # Share of the values of an unknown column that are not below the one above, if it is the time
 HEADERS = 4  # Rows below the titles in which units and descriptions are searched
 
 
@@ -83,6 +94,7 @@ class Reading:
     renamed: Mapping[str, str] = field(default_factory=dict)
     """Known name, possibly with a unit, by the title of the file, or the other way round."""
     sheet: str | None = None  # Sheet of a spreadsheet
+    encoding: str | None = None  # Of a text; None: UTF-8, what its first bytes say, or CP1252
     as_written: bool = False  # Whether values that are not plausible are taken as they are written
 
 
@@ -162,7 +174,7 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     reading = reading or Reading()
     names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
     try:
-        return _Reader(path, files.read(path, names, reading.sheet), names, reading, misspelled).read()
+        return _Reader(path, files.read(path, names, reading.sheet, reading.encoding), names, reading, misspelled).read()
     except TableError:
         raise
     except ValueError as error:  # A TextError, or pandas' ParserError.
@@ -183,7 +195,8 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
     for row in range(len(head) - 1):
         # Titles over two rows: primary, secondary above speed, torque.
         above = [next((cell for cell in head[row][k::-1] if cell), "") for k in range(len(head[row]))]
-        joined = [f"{one} {other}".strip() if other else "" for one, other in zip(above, head[row + 1], strict=True)]
+        # A title over both rows has nothing below.
+        joined = [f"{one} {other}".strip() if other else own for one, other, own in zip(above, head[row + 1], head[row], strict=True)]
         if names.count(joined) > max(names.count(titles), 1.0):
             at, titles = row + 1, joined
     below = [row for row in range(at + 1, at + 1 + HEADERS) if row < len(head)]
@@ -191,7 +204,7 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
     first = max(at, -1 if found is None else found) + 1
     while first in below and _is_row_of_words(head[first]):
         first += 1
-    remarks = [f"{at} rows above the header are not read"] * (at > 0)
+    remarks = [*cells.remarks, *[f"{at} rows above the header are not read"] * (at > 0)]
     for row in (row for row in range(at + 1, first) if row != found):
         remarks.append(f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}")
     return titles, [""] * len(titles) if found is None else head[found], at, first, remarks
@@ -232,8 +245,14 @@ class _Reader:
         self._extra_cells()
         decimal = self._decimal()
         sheet.decimal = decimal or "unknown"
-        for name, one in sheet.taken.items():
+        if decimal is not None and "time" in self.names.columns and "time" not in sheet.taken:
+            self._ascending(decimal)
+        self._flagged()
+        # Standard deviations have the unit of their column.
+        for name, one in sorted(sheet.taken.items(), key=lambda item: item[1].deviation):
             column = self.body[one.place]
+            if one.deviation and not one.unit and (base := sheet.taken.get(name.removesuffix(DEVIATION))):
+                sheet.taken[name] = replace(one, unit=base.unit, scale=base.scale)
             if one.column.dimension == "text":
                 sheet.texts[name] = column.astype(str).to_numpy(dtype=object)
             elif decimal is not None:
@@ -246,6 +265,39 @@ class _Reader:
             some.update({name: column[keep] for name, column in some.items()})
         sheet.lines = sheet.lines[keep]
         return sheet
+
+    def _ascending(self, decimal: str) -> None:
+        """Takes the first unknown column in s or ms, or with a word for time, as the time if it ascends."""
+        for place, title in enumerate(self.titles):
+            below = self.units[place]
+            found = (*(unit for _, unit in splits(title) if unit), title.strip("[](){} "), below)
+            unit = next((unit for unit in found if units.find(unit, "time")), "")
+            told = TIMED.search(title.lower()) or below.strip(" []()").lower() in ("s", "ms", "us", "µs")
+            if title in self.sheet.ignored and told:
+                one = Taken(title, "time", unit, place, units.find(unit or "s", "time") or Unit(1.0), self.names.columns["time"])
+                times = numerals.seconds(self.body[place], one.scale, decimal)
+                steps = np.diff(times[np.isfinite(times)])
+                if steps.size and (steps >= 0.0).mean() >= ASCENDING and (steps > 0.0).any():
+                    self.sheet.taken["time"] = one
+                    self.sheet.ignored.remove(title)
+                    return self.sheet.remarks.append(f"{title} ascends and is taken as the time")
+
+    def _flagged(self) -> None:
+        """Leaves out rows that are means or extremes of others by a word, and rows that a column says are not valid."""
+        for place, title in enumerate(self.titles):
+            label = any(one.place == place and one.name == "name" for one in self.sheet.taken.values())
+            if title not in self.sheet.ignored and key(title) not in INDEX and not label:
+                continue
+            words, valid = self.body[place].map(lambda cell: key(str(cell))), VALID.get(key(title))
+            named = words.isin(STATISTICS)
+            # A point may be called max; below the others it is none.
+            bad = named[::-1].cummin()[::-1] if label else named & (named.mean() < MOST)
+            if valid is not None:
+                bad = ~words.isin(("", *YES)) if valid else words.isin(YES)
+                self.sheet.ignored = [other for other in self.sheet.ignored if other != title]
+            for line, word in self.body[place][bad.to_numpy(dtype=bool)].items():
+                text = f"'{word}': the row is not valid" if valid is not None else f"'{word}': no measured row"
+                self.sheet.left_out.append(Fault(text, int(line), title or None))
 
     def _on_one_clock(self, decimal: str) -> None:
         """A row for each time of any channel; a channel belongs to the times to the left of it."""
@@ -286,6 +338,17 @@ class _Reader:
                 self.clocks = best
             elif len(best) > 1:
                 self._fault(f"it appears {len(best)} times: {' and '.join(one.title for one in best)}", name)
+        self.sheet.remarks += self._meant()
+
+    def _meant(self) -> Iterator[str]:
+        """The options that take unknown columns whose titles contain a name, if that has no column."""
+        for place, title in enumerate(self.titles):
+            name = self.names.contained(title) if title in self.sheet.ignored else None
+            if name is not None and name not in self.sheet.taken.keys() | self.sheet.failed:
+                dimension, unit = self._column(name).dimension, self._unit(place, title, (name, None), True)
+                usual = "" if dimension in ("ratio", "text") else " or ".join(units.usual(dimension))
+                shown = f" [{unit if units.find(unit, dimension) else usual}]" if usual or unit else ""
+                yield f'{MEANT} {title} is {name}: --map "{title}={name}{shown}"'
 
     def _fault(self, text: str, column: str) -> None:
         self.sheet.faults.append(Fault(text, self.line, column))
@@ -316,7 +379,11 @@ class _Reader:
         if not candidates or (title.startswith("#") and not name):
             self._unknown(title)
             return None
-        written = self._unit(place, title, candidates[0], bool(name), bool(said))
+        written = self._unit(place, title, candidates[0], bool(name))
+        if not written and candidates[0][0].endswith(DEVIATION):
+            base = candidates[0][0].removesuffix(DEVIATION)
+            first = ((k, found[0]) for k, title in enumerate(self.titles) if title and (found := self.names.split(title)))
+            written = next((self._unit(k, self.titles[k], other, False) for k, other in first if other[0] == base), "")
         for name, _ in candidates:
             column = self._column(name)
             if column.dimension == "text":
@@ -340,16 +407,18 @@ class _Reader:
     def _column(self, name: str) -> Column:
         return self.names.columns[name.removesuffix(DEVIATION)]
 
-    def _unit(self, place: int, title: str, candidate: tuple[str, str | None], wanted: bool, said: bool) -> str:
+    def _unit(self, place: int, title: str, candidate: tuple[str, str | None], wanted: bool) -> str:
         """The unit of a column as it is written; empty without one. That in the title counts before that in the row of units."""
         name, written = candidate
+        dimension = self._column(name).dimension
         if written is None and wanted:
-            written = next((unit for word, unit in splits(title) if unit is not None and key(word)), None)
-            if said and written is not None and units.find(written, "ratio") is None:
-                written = None
+            # `n_P (Mean)` and `n_P:1` have no unit of speed in the title.
+            own = [unit for word, unit in splits(title) if unit and key(word) and units.dimensions(unit)]
+            other = own[0] if own and title.rstrip()[-1] in "])}" and not self.units[place].strip() else None
+            written = next((unit for unit in own if units.find(unit, dimension)), other)
         found = written if written and written.strip() else self.units[place].strip()
         # `i (n_P/n_S)` has no unit.
-        other_name = self._column(name).dimension == "ratio" and (self.names.find(found) or self.names.inverse(found))
+        other_name = dimension == "ratio" and not units.dimensions(found) and (self.names.find(found) or self.names.inverse(found))
         return "" if other_name else found
 
     def _unknown(self, title: str) -> None:

@@ -61,11 +61,12 @@ SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
         "bara bar(a) bar_a barabs bar,a": (1e5, -ATMOSPHERE),
         "psi psig lbf/in2 lbf/in^2": 6894.757293168,
         "psia": (6894.757293168, -ATMOSPHERE),
-        "kgf/cm2 kgf/cm^2 at": 98066.5,
+        "kgf/cm2 kgf/cm^2 kg/cm2 kg/cm^2 kp/cm2 kp/cm^2 at": 98066.5,
     },
     "time": {
-        "s sec secs second seconds sek hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss": 1.0,
+        "s sec secs second seconds sek sekunden secondes hh:mm hh:mm:ss hh:mm:sssss hh:mm:ssfff yyyy-mm-ddhh:mm:ss ddmmyyyyhh:mm:ss": 1.0,
         "ms msec": 1e-3,
+        "us μs": 1e-6,
         "min": 60.0,
         "h hr hours": 3600.0,
     },
@@ -88,6 +89,7 @@ SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
     "damping": {"N.s/m": 1.0, "kN.s/m N.s/mm": 1e3},
     "impulse": {"N.s": 1.0, "kN.s": 1e3},
     "area": {"m2 m^2": 1.0, "cm2 cm^2": 1e-4, "mm2 mm^2": 1e-6},
+    "volume": {"m3 m^3": 1.0, "cm3 cm^3": 1e-6},
     "flow": {"m3/s m^3/s": 1.0, "l/min": 1e-3 / 60.0},
     "force by squared speed": {"N.s2/rad2 N.s^2/rad^2": 1.0},
     "other": {"l/min l/h lpm cst mm2/s A mA V mV Hz kHz Wh kWh °f degf f dB °ca yyyy-mm-dd hh:mm:ss": 1.0},
@@ -152,7 +154,7 @@ def normal(text: str) -> str:
     if text[:1] in "[(<":
         bracketed = r"\s*(?:\[(.*)\]|\((?![ag]\))(.*)\)|<(.*)>)\s*"
         text = re.sub(bracketed, lambda found: next(g for g in found.groups() if g is not None), text, count=1)
-    text = re.sub(r"(?<=[A-Za-z])[\s.·⋅∙•*×]+(?=[A-Za-z])", "", text)
+    text = re.sub(r"(?<=[A-Za-z])[\s.·⋅∙•・*×]+(?=[A-Za-z])", "", text)
     text = re.sub(r"\s+", "", text.replace("**", "^")).replace("^-1^", "^-1")
     return text.rstrip(".") if len(text) > 1 else text
 

@@ -215,7 +215,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
 
     fn serialize_derivatives(&mut self, acting: InForce<'_>, archive: &mut Archive<'_>) {
         let Origin { factors, state } = &mut self.origin;
-        factors.iter_mut().for_each(|factor| archive.any(factor));
+        factors.iter_mut().for_each(|factor| archive.any_real(factor));
         state.serialize(archive);
         if archive.is_reading() {
             let Origin { factors, state } = self.origin.clone();

@@ -68,14 +68,19 @@ impl Evolution for Problem<'_> {
         let belt = &*self.system.belt;
         let layout = &belt.layout;
         let tolerance = self.system.parameters.solver.tolerance;
-        let mut norm = (q_error[layout.theta()] / (0.01 * tolerance)).abs();
+        let (mut norm, mut is_finite) = (0.0_f64, true);
+        let mut take = |error: f64| {
+            // The largest of numbers leaves out what is none.
+            is_finite &= error.is_finite();
+            norm = norm.max(error.abs());
+        };
+        take(q_error[layout.theta()] / (0.01 * tolerance));
         for pulley in Pulley::BOTH {
             let (z, omega) = (layout.sheave(pulley), layout.shaft_speed(pulley));
-            norm = norm
-                .max((q_error[z] / (1.0e-3 * tolerance)).abs())
-                .max((y_error[omega] / (tolerance * (10.0 + 0.1 * view.y[omega].abs()))).abs());
+            take(q_error[z] / (1.0e-3 * tolerance));
+            take(y_error[omega] / (tolerance * (10.0 + 0.1 * view.y[omega].abs())));
             for axis in 0..2 {
-                norm = norm.max((y_error[layout.tilt(pulley, axis)] / (2.0e-3 * tolerance)).abs());
+                take(y_error[layout.tilt(pulley, axis)] / (2.0e-3 * tolerance));
             }
         }
         // Sharper near standstill, where there is little energy to be wrong about.
@@ -94,10 +99,10 @@ impl Evolution for Problem<'_> {
             local += x * x;
         }
         for centre in layout.centres() {
-            norm = norm.max((q_error[centre] / (5.0e-3 * tolerance)).abs());
+            take(q_error[centre] / (5.0e-3 * tolerance));
         }
-        let norm = norm.max((local / layout.len() as f64).sqrt());
-        if norm.is_finite() { norm } else { f64::MAX }
+        take((local / layout.len() as f64).sqrt());
+        if is_finite { norm } else { f64::MAX }
     }
 
     fn longest_step(&self, view: View<'_>) -> f64 {

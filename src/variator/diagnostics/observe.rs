@@ -62,6 +62,7 @@ impl Observer {
             clamping_force_total: external[j].closing,
             sheave_velocity: view.y[belt.layout.sheave(j)],
             flow: system.parameters.pulley(j).cylinder.area * view.y[belt.layout.sheave(j)],
+            volume: system.parameters.pulley(j).cylinder.area * view.q[belt.layout.sheave(j)],
             power: -sums.torque[j] * view.y[belt.layout.shaft_speed(j)],
             spiral: spiral(&belt.mesh, stations, j),
             idle_arc: idle[j],

@@ -10,10 +10,11 @@ use crate::scalar::{Real, Tangent};
 use crate::shaft::Drag;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
+use crate::tilt::Tilt;
 use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::mesh::layout::Layout;
-use crate::variator::pulleys::loads::{Boundary, RATIO_STIFFNESS, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::{Boundary, PSEUDO_INERTIA, RATIO_STIFFNESS, RATIO_TIME, ShaftMode, SheaveMode};
 use crate::variator::settings::parameters::{Parameters, SPEED_LAG};
 
 /// The two pulleys with their shafts.
@@ -21,7 +22,8 @@ use crate::variator::settings::parameters::{Parameters, SPEED_LAG};
 pub struct Pulleys<'a> {
     parameters: &'a Parameters,
     belt: &'a Belt,
-    inertia_factor: f64,
+    /// Whether they are those of a steady solution.
+    is_steady: bool,
 }
 
 /// Sign of the change of Θ when a pulley closes: the primary raises r_P, and Θ with it.
@@ -59,13 +61,18 @@ impl Stop {
 }
 
 impl<'a> Pulleys<'a> {
-    /// The pulleys of a belt, with their inertias times a factor.
-    pub(crate) fn new(parameters: &'a Parameters, belt: &'a Belt, inertia_factor: f64) -> Self {
+    /// The pulleys of a belt, in a run or in a steady solution.
+    pub(crate) fn new(parameters: &'a Parameters, belt: &'a Belt, is_steady: bool) -> Self {
         Self {
             parameters,
             belt,
-            inertia_factor,
+            is_steady,
         }
+    }
+
+    /// Factor on the inertias.
+    fn inertia_factor(&self) -> f64 {
+        if self.is_steady { PSEUDO_INERTIA } else { 1.0 }
     }
 
     fn layout(&self) -> &Layout {
@@ -215,8 +222,15 @@ impl<'a> Pulleys<'a> {
         ([z, omega, theta], motion)
     }
 
+    /// Law of the tilt of a pulley's sheaves.
+    fn tilt_law(&self, pulley: Pulley) -> Tilt {
+        let own = self.parameters.pulley(pulley).tilt;
+        let time = if self.is_steady { RATIO_TIME } else { own.time };
+        Tilt { time, ..own }
+    }
+
     fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
-        let law = &self.parameters.pulley(pulley).tilt;
+        let law = self.tilt_law(pulley);
         let [psi, rate] = self.tilt(pulley, view);
         let moment = law.moment(psi, rate);
         for axis in 0..2 {
@@ -233,10 +247,10 @@ impl<'a> Pulleys<'a> {
     fn shaft_row(&self, pulley: Pulley, mode: ShaftMode, torques: PerPulley<f64>, view: View<'_>) -> f64 {
         let of = self.parameters.pulley(pulley);
         let i = self.layout().shaft_speed(pulley);
-        let inertia = self.inertia_factor * of.inertia * view.y_dot[i];
+        let inertia = self.inertia_factor() * of.inertia * view.y_dot[i];
         match mode {
             ShaftMode::Torque(torque) => inertia - torque - torques[pulley],
-            ShaftMode::Setpoint(set) => inertia - self.inertia_factor * of.inertia * (set - view.y[i]) / SPEED_LAG,
+            ShaftMode::Setpoint(set) => inertia - self.inertia_factor() * of.inertia * (set - view.y[i]) / SPEED_LAG,
             ShaftMode::Fixed => inertia,
             ShaftMode::Balanced { own, primary } => {
                 inertia - own - torques[pulley] + self.balanced_factor(view) * (primary + torques.primary)
@@ -265,7 +279,7 @@ impl<'a> Pulleys<'a> {
         }
         for pulley in Pulley::BOTH {
             let i = self.layout().shaft_speed(pulley);
-            let inertia = self.inertia_factor * self.parameters.pulley(pulley).inertia;
+            let inertia = self.inertia_factor() * self.parameters.pulley(pulley).inertia;
             let alpha = factors[0];
             match boundary.shaft[pulley] {
                 ShaftMode::Setpoint(_) => out.set_unit_row(i, inertia * (alpha + 1.0 / SPEED_LAG)),
@@ -282,7 +296,7 @@ impl<'a> Pulleys<'a> {
     }
 
     fn tilt_jacobian(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
-        let law = &self.parameters.pulley(pulley).tilt;
+        let law = self.tilt_law(pulley);
         let at = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
         if law.is_rigid() {
             at.into_iter().for_each(|i| out.set_unit_row(i, CONSTRAINT_SCALE));

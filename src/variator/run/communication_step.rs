@@ -3,8 +3,9 @@
 
 use crate::pulley::Pulley;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
-use crate::variator::run::outcome::{Event, StepError};
+use crate::variator::run::outcome::{Event, StepError, TimeError};
 use crate::variator::run::stepper::CommunicationStep;
+use crate::variator::run::tuning::REAL_TIME;
 use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Mode;
 use crate::variator::settings::signals::Inputs;
@@ -23,7 +24,7 @@ impl Variator {
     /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call.
     ///
     /// # Errors
-    /// An input that is out of its range, or a step that can't be done. The variator is then in the state of before.
+    /// A time before the present one or out of its range, an input out of its range, a rate that is not finite, or a step that can't be done. The variator is then in the state of before.
     pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         let mut step = CommunicationStep::begin(self, to, inputs, rates)?;
         while !step.is_over() {
@@ -34,11 +35,25 @@ impl Variator {
     }
 }
 
+/// What is said when time is left out for the first time, until a time, s.
+fn left_out(time: f64) -> String {
+    format!(
+        "at {time} s the run is {} s behind the clock, and what is beyond is left out: speeds and ratio lack the effect of the loads over \
+         that time, which solver.skipped adds up; a larger solver.effort, ring.model = ALE0 or smoother inputs avoid it",
+        REAL_TIME.behind
+    )
+}
+
 impl CommunicationStep {
     /// Begins a communication step to time `to` as [`Variator::advance_along`] does it: [`CommunicationStep::advance`] until it
     /// is over, then [`CommunicationStep::finish`].
+    ///
+    /// # Errors
+    /// A time before the present one or out of its range, an input out of its range, or a rate that is not finite.
     pub fn begin(variator: &mut Variator, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<Self, StepError> {
+        TimeError::check(Some(variator.time()), to)?;
         inputs.validate()?;
+        rates.validate_rates()?;
         variator.save();
         let simulation = &variator.simulation;
         let ramp = simulation.system.parameters.solver.input_ramp;
@@ -57,10 +72,15 @@ impl CommunicationStep {
         variator.stale = true;
         let outcome = variator.stepper.step(&mut variator.simulation, self);
         if outcome.is_err() {
-            variator.roll_back(self.first_step);
-            self.count_work(variator);
+            self.discard(variator);
         }
         outcome
+    }
+
+    /// Abandons it: the variator is in the state of before, and its work remains counted.
+    pub fn discard(&self, variator: &mut Variator) {
+        variator.roll_back();
+        self.count_work(variator);
     }
 
     /// Changes inputs of a communication step that is not over: those that differ from what was given before count at once. None if one is
@@ -76,9 +96,9 @@ impl CommunicationStep {
         Ok(())
     }
 
-    /// Moves its end to a time, s, or to where it is if that is past. It never becomes longer.
+    /// Moves its end to a time, s, or to where it is if that is past. It never becomes longer, nor does it change where that is not a number.
     pub fn end_at(&mut self, variator: &Variator, time: f64) {
-        if time >= self.to {
+        if time.is_nan() || time >= self.to {
             return;
         }
         let now = variator.simulation.time;
@@ -110,7 +130,10 @@ impl CommunicationStep {
         if stepper.real_time.is_some() {
             simulation.restore(self.profile);
         }
-        variator.work = stepper.output(simulation.time);
+        let before = std::mem::replace(&mut variator.work, stepper.output(simulation.time));
+        if before.skipped == 0.0 && variator.work.skipped > 0.0 {
+            simulation.log(true, left_out(simulation.time));
+        }
         self.count_work(variator);
         variator.report_slip();
         variator.warn(false);

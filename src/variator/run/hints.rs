@@ -17,6 +17,8 @@ pub(super) struct Hints {
     fast: bool,
     unit: bool,
     opens: bool,
+    /// Of pressures without effect. A start asks for them first: for want of them it may fail.
+    pub idle: PerPulley<bool>,
     /// Time since which a load has seemed to be in another unit, s; ∞ if none does.
     doubtful_since: f64,
     /// Last time at which a strand was in net compression, s; −∞ before.
@@ -35,6 +37,10 @@ impl Hints {
         fast: false,
         unit: false,
         opens: false,
+        idle: PerPulley {
+            secondary: false,
+            primary: false,
+        },
         doubtful_since: f64::INFINITY,
         buckled: f64::NEG_INFINITY,
     };
@@ -49,6 +55,10 @@ impl Hints {
             once(&mut self.fast, || fast_belt(simulation, starts)),
             once(&mut self.unit, || wrong_unit(simulation, &mut self.doubtful_since)),
             once(&mut self.opens, || opening(simulation)),
+            simulation
+                .system
+                .parameters
+                .idle_pressures(&simulation.inputs(), &mut self.idle, simulation.time),
             at_start(same_sign),
         ]
         .into_iter()
@@ -57,11 +67,13 @@ impl Hints {
 
     /// Writes to an archive, or reads from it.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
-        for said in [&mut self.fast, &mut self.unit, &mut self.opens] {
-            archive.flag(said);
-        }
+        let of_all = [&mut self.fast, &mut self.unit, &mut self.opens];
+        of_all
+            .into_iter()
+            .chain(self.idle.each_mut())
+            .for_each(|said| archive.flag(said));
         for time in [&mut self.doubtful_since, &mut self.buckled] {
-            archive.within(time, f64::NEG_INFINITY, f64::INFINITY);
+            archive.bounded_real(time, f64::NEG_INFINITY, f64::INFINITY);
         }
     }
 }

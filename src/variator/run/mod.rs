@@ -12,7 +12,8 @@ mod stepper;
 pub(crate) mod tuning;
 pub(crate) mod variator;
 
+pub use crate::fmi::unit::Message;
 pub use crate::variator::pulleys::loads::InputProfile;
-pub use outcome::{Event, InitialisationError, Message, StepError};
+pub use outcome::{Event, InitialisationError, StepError, TimeError};
 pub use stepper::CommunicationStep;
 pub use variator::Variator;

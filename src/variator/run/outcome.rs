@@ -1,16 +1,39 @@
-//! What a run reports: remarks, errors, events, outputs around a moment.
+//! What a run reports beside messages: errors, events, outputs around a moment.
 
 use crate::pulley::Pulley;
+use crate::variator::pulleys::loads::SHORTEST_STEP;
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::settings::ParameterError;
 
-/// A remark for the user's log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Message {
-    /// Whether the user should act on it.
-    pub warning: bool,
-    /// Text of the remark, one sentence.
-    pub text: String,
+/// A time to which a run can't go.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the time {to} s is out of range: {} to {:.3e} s, above which there is no room for steps of a nanosecond",
+    from.unwrap_or(-Self::latest()),
+    Self::latest()
+)]
+pub struct TimeError {
+    /// The time, s.
+    pub to: f64,
+    /// Present time, s; none at a start.
+    pub from: Option<f64>,
+}
+
+impl TimeError {
+    /// Latest time of a run, and the earliest one with the other sign, s: 52 days.
+    fn latest() -> f64 {
+        SHORTEST_STEP / f64::EPSILON
+    }
+
+    /// Checks a time to which a run goes, s: not before the present one but for rounding.
+    pub(super) fn check(from: Option<f64>, to: f64) -> Result<(), Self> {
+        let is_ahead = from.is_none_or(|from| to > from - SHORTEST_STEP);
+        if is_ahead && to.abs() <= Self::latest() {
+            Ok(())
+        } else {
+            Err(Self { to, from })
+        }
+    }
 }
 
 /// Why a variator could not be initialised.
@@ -19,6 +42,9 @@ pub enum InitialisationError {
     /// An input is out of its range.
     #[error(transparent)]
     Input(#[from] ParameterError),
+    /// The time of the start.
+    #[error(transparent)]
+    Time(#[from] TimeError),
     /// No state was found to start from.
     #[error("the initial state could not be found: {0}")]
     NoState(String),
@@ -31,6 +57,9 @@ pub enum StepError {
     /// An input is out of its range; nothing was changed.
     #[error(transparent)]
     Input(#[from] ParameterError),
+    /// The end of the step; nothing was changed.
+    #[error(transparent)]
+    Time(#[from] TimeError),
     /// The step size fell below the smallest useful one.
     #[error("the step from {from} s stalled at {reached} s: {reason}")]
     Stalled {

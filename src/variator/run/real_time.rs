@@ -19,6 +19,8 @@ const MILLISECOND: f64 = 1.0e-3;
 pub(super) struct RealTime {
     /// Time of the state, s.
     reached: f64,
+    /// Time that was left out since the start, s.
+    pub skipped: f64,
     /// Inputs from the state, or the end of the open step, to the clock.
     waiting: InputProfile,
     /// Length of steps as a share of its longest, and that of the open step, s, if one is.
@@ -41,6 +43,7 @@ impl RealTime {
         let inputs = InputProfile::constant(&simulation.inputs());
         Self {
             reached: simulation.time,
+            skipped: 0.0,
             waiting: inputs,
             share: 1.0,
             open: None,
@@ -67,6 +70,7 @@ impl RealTime {
         if skipped > 0.0 {
             // An open step moves in time with its inputs: it continues. Those that wait are then constant.
             self.reached += skipped;
+            self.skipped += skipped;
             self.inputs.kink += skipped;
         }
         simulation.time = clock;
@@ -121,7 +125,8 @@ impl RealTime {
         self.waiting.serialize(archive);
         self.inputs.serialize(archive);
         archive.real(&mut self.reached);
-        archive.within(&mut self.share, REAL_TIME.shortest, 1.0);
+        archive.real(&mut self.skipped);
+        archive.bounded_real(&mut self.share, REAL_TIME.shortest, 1.0);
         archive.option(&mut self.open);
     }
 }

@@ -1,6 +1,7 @@
 //! Equations and state of a run: what a stepper advances.
 
 use crate::archive::Archive;
+use crate::fmi::unit::Message;
 use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::solver::newton::Counts;
@@ -10,7 +11,6 @@ use crate::variator::diagnostics::energy_balance::{EnergyBalance, Problem};
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{InputProfile, Loads};
 use crate::variator::pulleys::rows::Stop;
-use crate::variator::run::outcome::Message;
 use crate::variator::run::tuning::{RAMP, RAMP_PARTS, RAMP_VELOCITY};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
@@ -31,6 +31,8 @@ pub(super) struct Simulation {
     /// Work of the search for the state to start from, and the inputs that were given for it.
     pub start_work: Counts,
     pub given: Inputs,
+    /// Why the start is another one than was asked for, and what helps.
+    pub other_start: Option<String>,
     /// Messages that were not yet taken.
     pub messages: Vec<Message>,
 }
@@ -47,6 +49,7 @@ impl Simulation {
             soft_since: f64::NEG_INFINITY,
             start_work: Counts::default(),
             given: Inputs::ZERO,
+            other_start: None,
             messages: Vec::new(),
         }
     }
@@ -61,7 +64,8 @@ impl Simulation {
         self.system.serialize(archive);
         archive.real(&mut self.time);
         self.energy.serialize(archive);
-        archive.within(&mut self.soft_since, f64::NEG_INFINITY, f64::MAX);
+        archive.bounded_real(&mut self.soft_since, f64::NEG_INFINITY, f64::MAX);
+        self.start_work.serialize(archive);
     }
 
     /// Equations and state for the solver.

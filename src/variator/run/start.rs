@@ -13,21 +13,36 @@ use crate::variator::run::stepper::Stepper;
 use crate::variator::run::tuning::{
     COLD_STEP, CREEP_SPEED, CREEP_VELOCITY, RAMP, RAMP_PARTS, SETTLING, SETTLING_TOLERANCE, STANDSTILL,
 };
+use crate::variator::settings::capacity::{given_speed, short};
 use crate::variator::settings::parameters::{Axial, Drive, Mode};
 use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
 
 impl Simulation {
-    /// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
-    /// gives it and the reason. Returns what it is.
+    /// Finds the state to start from at `time`, with sheaves at rest: steady or unloaded as the parameters choose, else the nearest that
+    /// exists, with a warning that gives it and the reason. Returns what it is.
     pub fn find_start(&mut self, time: f64, inputs: &Inputs) -> Result<StartState, InitialisationError> {
         (self.start_work, self.time, self.given) = (Counts::default(), time, *inputs);
+        self.other_start = None;
         let start = self.start_point();
         let found = self.find_state(&start)?;
+        if let Some(why) = self.other_start.take() {
+            if self.system.parameters.initial.strict {
+                let text = format!("{why}; with initial.strict = true this start is an error");
+                return Err(InitialisationError::NoState(text));
+            }
+            self.log(true, why);
+        }
         self.warn_of_held_sheaves(found);
         if self.system.parameters.solver.mode == Mode::RealTime && self.soft_since == time {
             // A ring without tension is a mechanism, too rough for steps of bounded work.
-            self.clamp(RAMP);
+            if let Err(why) = self.clamp(RAMP) {
+                self.log(true, format!("the belt was not clamped before the start: {why}"));
+            }
+        }
+        // A belt that was clamped moves them by a tenth of a millimetre a second, and flows that depend on no input close no loop.
+        for pulley in Pulley::BOTH {
+            self.state.y[self.system.belt.layout.sheave(pulley)] = 0.0;
         }
         Ok(found)
     }
@@ -100,14 +115,27 @@ impl Simulation {
         self.solve_steady().or_else(|why| match why {
             NoSteadyState::Hopeless(_) => Err(InitialisationError::NoState(why.to_string())),
             NoSteadyState::NotFound(why) => {
-                self.log(
-                    true,
-                    format!("{why}: the run starts unloaded, with soft friction that sharpens over {RAMP} s"),
-                );
                 self.start_unloaded(start)?;
-                Ok(StartState::NotFound)
+                let instead = format!("the belt without load, and friction sharpens over {RAMP} s");
+                let helps = "larger clamping forces, another initial.ratio, or forces that come in after a start with initial.steady = false";
+                Ok(self.start_from(StartState::NotFound, &why, &instead, helps))
             }
         })
+    }
+
+    /// Notes why the start is not the one that was asked for, what it is `instead`, and what `helps`.
+    pub fn start_from(&mut self, found: StartState, why: &str, instead: &str, helps: &str) -> StartState {
+        let (of, inputs) = (&self.system.parameters, &self.given);
+        let ratio = of.initial.ratio;
+        let (name, speed) = given_speed(of, inputs);
+        let closing = of.closing_forces(inputs, [ratio, self.primary_speed()]).map(short);
+        let [first, second] = [inputs.primary.torque, inputs.secondary.torque];
+        self.other_start = Some(format!(
+            "{why}; asked for: ratio {ratio}, {name} = {speed} rad/s, torques {first} and {second} N·m and closing forces {} and {} N \
+             (primary, secondary); found: {instead} (initial.found = {}, {found:?}); what helps: {helps}",
+            closing.primary, closing.secondary, found as i32
+        ));
+        found
     }
 
     /// Starts at a standstill: as a belt that crept, or else clamped from the unloaded state.
@@ -119,11 +147,13 @@ impl Simulation {
             return self.start_slack(start);
         }
         self.start_unloaded(start)?;
-        if self.clamp(SETTLING) {
+        let Err(why) = self.clamp(SETTLING) else {
             return Ok(StartState::Clamped);
-        }
+        };
         self.start_unloaded(start)?;
-        Ok(StartState::Unloaded)
+        let why = format!("the belt was not clamped at a standstill: {why}");
+        let helps = "other clamping forces, or a start with initial.steady = false";
+        Ok(self.start_from(StartState::NotFound, &why, "the belt without load", helps))
     }
 
     /// Whether a start at a standstill may be that of a belt that crept: both pulleys stand still under clamping forces, and a sheave
@@ -158,6 +188,7 @@ impl Simulation {
         let holds = (self.given.primary.torque + of_belt) * primary_speed <= 0.0;
         if found.is_ok() && holds && !self.system.parameters.holds_a_sheave() {
             self.messages.truncate(before);
+            self.other_start = None;
             return Ok(None);
         }
         let stopped = found.and_then(|found| {
@@ -168,6 +199,7 @@ impl Simulation {
             Ok(StartState::Steady) => Some(StartState::Clamped),
             Ok(found) => Some(found),
             Err(why) => {
+                self.other_start = None;
                 self.log(
                     true,
                     format!("{why}: the run starts at rest without the forces of a belt that has run before"),
@@ -224,20 +256,16 @@ impl Simulation {
         let found = found?;
         self.soft_since = other.soft_since;
         self.start_work = other.start_work;
+        self.other_start = other.other_start;
         self.state = state_on(&self.system.belt, &other.system.belt, &other.state);
         Ok(found)
     }
 
-    /// Clamps an unloaded belt in the `span` before the start, s, without torques, which come with the run. Whether that is possible; else it
-    /// warns, and the belt is clamped in part.
-    fn clamp(&mut self, span: f64) -> bool {
+    /// Clamps an unloaded belt in the `span` before the start, s, without torques, which come with the run. After an error it is clamped in part.
+    fn clamp(&mut self, span: f64) -> Result<(), StepError> {
         let mut quiet = self.given;
         (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
-        let clamped = self.settle(span, &quiet, |_| ());
-        if let Err(why) = &clamped {
-            self.log(true, format!("the belt was not clamped before the start: {why}"));
-        }
-        clamped.is_ok()
+        self.settle(span, &quiet, |_| ())
     }
 
     /// Whether each sheave is held or closed by a force at the initial ratio.
@@ -298,6 +326,7 @@ impl Simulation {
         self.state = found.state;
         self.start_work = found.start_work;
         self.messages = found.messages;
+        self.other_start = found.other_start;
         self.end_soft_start();
     }
 }

@@ -70,13 +70,12 @@ impl Simulation {
         let share = self.carry(newton, clamped.other(), demand)?;
         let mut found = StartState::Steady;
         if share < 1.0 {
-            found = StartState::ReducedTorque;
-            let text = format!(
-                "no steady state was found at the given torques, which may be beyond the capacity of the clamping forces: the run starts \
-                 from the steady state at {:.0} % of them",
-                100.0 * share
+            let instead = format!("the steady state at torques of {:.0} % of them", 100.0 * share);
+            let (why, helps) = (
+                "no steady state was found at the torques, which may be beyond the capacity of the clamping forces",
+                "larger clamping forces or smaller torques",
             );
-            self.log(true, text);
+            found = self.start_from(StartState::ReducedTorque, why, &instead, helps);
         }
         if balance {
             found = self.balance_forces(newton, &whole, found);
@@ -91,7 +90,7 @@ impl Simulation {
     }
 
     /// Speed of the primary pulley in the present state, rad/s.
-    fn primary_speed(&self) -> f64 {
+    pub fn primary_speed(&self) -> f64 {
         self.system.belt.shaft_speeds(self.state.view()).primary
     }
 
@@ -194,29 +193,34 @@ impl Simulation {
         let at_ratio = state.clone();
         let outcome = SteadySolver { system, newton }.balance(state, task, range);
         let ratio = geometric_ratio(system, state.view());
-        let (warning, text) = match outcome {
-            Ok(true) => {
-                let what = "the clamping forces drive the variator to an end stop: the run starts at the ratio";
-                (true, format!("{what} {ratio:.4}"))
+        match outcome {
+            Ok(at_stop) => {
+                let text = if at_stop {
+                    format!(
+                        "the clamping forces drive the variator to an end stop: the run starts at the ratio {ratio:.4}"
+                    )
+                } else {
+                    format!("equilibrium of the clamping forces at the ratio {ratio:.6}")
+                };
+                self.log(at_stop, text);
+                self.other_start = None;
+                StartState::Steady
             }
-            Ok(false) => (
-                false,
-                format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
-            ),
             Err(_) => {
                 *state = at_ratio;
+                if found != StartState::Steady {
+                    return found;
+                }
                 let push = system.pulleys().push(Pulley::Primary, state.view());
                 let holding = push + reaction(system, state.view(), Pulley::Primary);
-                let what = "no equilibrium of the two clamping forces was found: the run starts from the steady state at the initial \
-                            ratio, where the primary force would have to be";
-                (true, format!("{what} {holding:.1} N"))
+                let instead =
+                    format!("the steady state at the ratio, where the primary force would have to be {holding:.1} N");
+                let (why, helps) = (
+                    "no equilibrium of the two clamping forces was found",
+                    "that primary force, another initial.ratio, or initial.equilibrium = false",
+                );
+                self.start_from(StartState::NoEquilibrium, why, &instead, helps)
             }
-        };
-        self.log(warning, text);
-        match (outcome, found) {
-            (Ok(_), _) => StartState::Steady,
-            (Err(_), StartState::Steady) => StartState::NoEquilibrium,
-            _ => found,
         }
     }
 }

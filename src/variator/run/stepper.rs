@@ -27,10 +27,9 @@ pub struct CommunicationStep {
     /// Inputs that were given last, and how they come into force.
     pub(super) given: Inputs,
     pub(super) profile: InputProfile,
-    /// In the beginning: end stops that the sheaves were at, work until then, preferred own step, s.
+    /// In the beginning: end stops that the sheaves were at, work until then.
     pub(super) stops: PerPulley<Option<Stop>>,
     pub(super) before: Counts,
-    pub(super) first_step: f64,
 }
 
 /// Advances a simulation to the end of a communication step in own steps.
@@ -77,7 +76,6 @@ impl Stepper {
             profile,
             stops: simulation.stops(),
             before: self.counts(),
-            first_step: self.sdirk.step,
         }
     }
 
@@ -136,6 +134,7 @@ impl Stepper {
             residuals: output(counts.residuals),
             defect: self.sdirk.newton.left,
             behind: self.real_time.as_ref().map_or(0.0, |run| run.behind(time)),
+            skipped: self.real_time.as_ref().map_or(0.0, |run| run.skipped),
             rollbacks: self.real_time.as_ref().map_or(0, |_| output(counts.rejected)),
         }
     }
@@ -145,7 +144,8 @@ impl Stepper {
         self.sdirk.newton.counts
     }
 
-    /// Writes to an archive, or reads from it, all that later steps depend on beside the simulation.
+    /// Writes to an archive, or reads from it, all that later steps depend on beside the simulation and the factored
+    /// Jacobian.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.sdirk.serialize(archive);
         if let Some(real_time) = &mut self.real_time {

@@ -1,6 +1,7 @@
 //! A run of a variator: build from parameters, initialise, advance, read.
 
 use crate::archive::Archive;
+use crate::fmi::unit::Message;
 use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::variator::belt::ring::BeltRing;
@@ -9,7 +10,7 @@ use crate::variator::diagnostics::energy_balance::EnergyBalance;
 use crate::variator::diagnostics::observe::Observer;
 use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::run::hints::Hints;
-use crate::variator::run::outcome::{Event, InitialisationError, Message};
+use crate::variator::run::outcome::{Event, InitialisationError, TimeError};
 use crate::variator::run::pace::Pace;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::stepper::Stepper;
@@ -44,11 +45,23 @@ pub struct Variator {
     pub(super) pace: Pace,
     hints: Hints,
     /// Values where the present communication step began.
-    saved: Vec<u8>,
+    saved: Saved,
     observer: Observer,
     readings: Box<Readings>,
     pub(super) stale: bool,
     profile_stale: bool,
+}
+
+/// Values as bytes, with room for those of a step of bounded work that is open. A copy has it too, so that its steps allocate nothing.
+#[derive(Debug, Default)]
+struct Saved(Vec<u8>);
+
+impl Clone for Saved {
+    fn clone(&self) -> Self {
+        let mut bytes = Vec::with_capacity(self.0.capacity());
+        bytes.extend_from_slice(&self.0);
+        Self(bytes)
+    }
 }
 
 impl Variator {
@@ -79,7 +92,7 @@ impl Variator {
         let simulation = Simulation::new(&parameters, ring);
         Ok(Self {
             stepper: Stepper::new(&simulation, COLD_STEP),
-            saved: Vec::new(),
+            saved: Saved::default(),
             simulation,
             start_state: StartState::Unloaded,
             macro_slip: false,
@@ -98,10 +111,14 @@ impl Variator {
     /// and the reason.
     ///
     /// # Errors
-    /// An input that is out of its range, or no state found.
+    /// A time or an input that is out of its range, or no state found.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
+        TimeError::check(None, time)?;
         inputs.validate()?;
-        self.slipped = f64::NEG_INFINITY;
+        (self.slipped, self.hints) = (f64::NEG_INFINITY, Hints::NONE);
+        let parameters = &self.simulation.system.parameters;
+        let idle = parameters.idle_pressures(inputs, &mut self.hints.idle, time);
+        idle.into_iter().for_each(|text| self.simulation.log(true, text));
         self.start_state = self.simulation.find_start(time, inputs)?;
         let simulation = &mut self.simulation;
         simulation.state.y_dot.fill(0.0);
@@ -111,13 +128,13 @@ impl Variator {
         };
         self.stepper = Stepper::new(simulation, first_step);
         self.work = Work::default();
-        (self.pace, self.hints) = (Pace::new(inputs), Hints::NONE);
+        self.pace = Pace::new(inputs);
         simulation.apply(InputProfile::constant(inputs));
         simulation.energy = EnergyBalance::open(&simulation.system, simulation.state.view());
         self.macro_slip = simulation.slips(false);
         self.warn(true);
         self.stale = true;
-        self.save();
+        self.save_first();
         Ok(())
     }
 
@@ -170,20 +187,18 @@ impl Variator {
     /// parameters.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.serialize_values(archive);
-        self.stepper.serialize(archive);
-        let of = &mut self.simulation;
-        of.system.serialize_derivatives(archive);
+        self.stepper.sdirk.newton.serialize_factors(archive);
+        self.simulation.system.serialize_derivatives(archive);
         if archive.is_reading() {
-            of.energy.last.update(&of.system, of.state.view());
-            self.stale = true;
-            self.save();
+            self.save_first();
         }
     }
 
-    /// The same without what the solver reuses from step to step.
+    /// The same without the Jacobian that the solver reuses: what a run is, for stored states and steps that go back.
     fn serialize_values(&mut self, archive: &mut Archive<'_>) {
         self.simulation.serialize(archive);
-        archive.within(&mut self.slipped, f64::NEG_INFINITY, f64::MAX);
+        self.stepper.serialize(archive);
+        archive.bounded_real(&mut self.slipped, f64::NEG_INFINITY, f64::MAX);
         let work = &mut self.work;
         for count in [
             &mut work.steps,
@@ -195,6 +210,7 @@ impl Variator {
         }
         archive.real(&mut work.defect);
         archive.real(&mut work.behind);
+        archive.real(&mut work.skipped);
         self.pace.serialize(archive);
         self.hints.serialize(archive);
         archive.flag(&mut self.macro_slip);
@@ -204,27 +220,36 @@ impl Variator {
             Some(start) => self.start_state = start,
             None => archive.reject(),
         }
+        if archive.is_reading() {
+            let of = &mut self.simulation;
+            of.energy.last.update(&of.system, of.state.view());
+            self.stale = true;
+        }
     }
 
-    /// Stores all values where a communication step begins; before the first one, so that a step allocates nothing.
+    /// Stores all values where a communication step begins.
     pub(super) fn save(&mut self) {
-        let mut archive = Archive::writer_in(std::mem::take(&mut self.saved));
+        let mut archive = Archive::writer_in(std::mem::take(&mut self.saved.0));
         self.serialize_values(&mut archive);
-        self.saved = archive.into_bytes();
+        self.saved.0 = archive.into_bytes();
     }
 
-    /// Goes back to where the communication step began, with the own step of then, s. Outputs have the same bits as there, and the work
-    /// done since then remains counted.
-    pub(super) fn roll_back(&mut self, first_step: f64) {
-        let saved = std::mem::take(&mut self.saved);
-        self.serialize_values(&mut Archive::reader(&saved));
+    /// The same before the first step, with room for an open one: its stage and residual are as long again as all else.
+    fn save_first(&mut self) {
+        self.save();
+        self.saved.0.reserve(2 * self.saved.0.len());
+    }
+
+    /// Goes back to where the communication step began. All readings have the same bits as there, and the work done since then remains
+    /// counted. A Jacobian from there is not kept.
+    pub(super) fn roll_back(&mut self) {
+        let (saved, counts) = (std::mem::take(&mut self.saved), self.stepper.counts());
+        self.serialize_values(&mut Archive::reader(&saved.0));
         self.saved = saved;
-        let (of, counts) = (&mut self.simulation, self.stepper.counts());
-        of.system.forget_derivatives();
-        of.energy.last.update(&of.system, of.state.view());
-        self.stepper = Stepper::new(of, first_step);
-        self.stepper.sdirk.newton.counts = counts;
-        self.stale = true;
+        let newton = &mut self.stepper.sdirk.newton;
+        newton.forget_factors();
+        newton.counts = counts;
+        self.simulation.system.forget_derivatives();
     }
 
     /// Present time, s.
@@ -232,9 +257,9 @@ impl Variator {
         self.simulation.time
     }
 
-    /// Parameters in force.
+    /// Parameters as set. Those in force are in [`Variator::system`].
     pub fn parameters(&self) -> &Parameters {
-        &self.simulation.system.parameters
+        self.simulation.system.parameters.as_set()
     }
 
     /// The assembled system, for reports and tests.
@@ -262,16 +287,15 @@ impl Variator {
         self.simulation.start_work
     }
 
-    /// Changes the two tunable friction coefficients.
+    /// Sets the two tunable friction coefficients.
     ///
     /// # Errors
     /// A coefficient that is out of its range; nothing was changed.
     pub fn set_friction(&mut self, pulley: f64, ring: f64) -> Result<(), ParameterError> {
         let of = &mut self.simulation;
-        let mut changed = of.system.parameters.clone();
-        (changed.friction.pulley, changed.friction.ring) = (pulley, ring);
-        changed.validate_friction()?;
-        of.system.parameters.friction = changed.in_force().friction;
+        if !of.system.parameters.set_friction(pulley, ring)? {
+            return Ok(());
+        }
         of.energy.last.update(&of.system, of.state.view());
         self.stepper.sdirk.newton.forget_rate();
         // All kept derivatives are of the same law, as in a soft start.

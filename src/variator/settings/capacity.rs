@@ -55,9 +55,13 @@ impl Demand {
         self.carried_per_force * self.force
     }
 
-    /// Torque of the belt on the primary pulley as a share of what the force carries.
+    /// Torque of the belt on the primary pulley as a share of what the force carries; 0 without torque, whatever that is.
     pub fn share_of_capacity(&self) -> f64 {
-        self.torque / self.carried()
+        if self.torque == 0.0 {
+            0.0
+        } else {
+            self.torque / self.carried()
+        }
     }
 
     /// Whether a share of the torque is beyond what the force can carry.
@@ -165,6 +169,19 @@ impl Parameters {
              its sheave is {total} N",
             given.pressure, given.clamping_force
         ))
+    }
+
+    /// The pressures at a time, s, that act on no area, of the pulleys that were not `said` before.
+    pub fn idle_pressures(&self, inputs: &Inputs, said: &mut PerPulley<bool>, time: f64) -> Option<String> {
+        let mut idle = String::new();
+        for j in Pulley::BOTH {
+            let (name, pressure) = (j.name(), inputs.pulley(j).pressure);
+            if !said[j] && pressure != 0.0 && self.pulley(j).cylinder.area == 0.0 {
+                said[j] = true;
+                idle += &format!(" {name}.pressure = {pressure} Pa has no effect, because {name}.cylinder.area is 0;");
+            }
+        }
+        (!idle.is_empty()).then(|| format!("at {time} s{idle} set the area of the piston"))
     }
 
     /// Name of the variable of a pulley that has this force.

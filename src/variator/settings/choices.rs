@@ -67,6 +67,6 @@ choice! {
     Steady = 2 "Steady": "The steady state, as requested; with initial.equilibrium at the ratio of equilibrium or at an end stop",
     ReducedTorque = 3 "ReducedTorque": "A steady state at reduced torques, because the belt does not carry the requested ones",
     NoEquilibrium = 4 "NoEquilibrium": "A steady state at initial.ratio, because no equilibrium of the clamping forces was found",
-    NotFound = 5 "NotFound": "The unloaded kinematic state, because no steady state was found",
+    NotFound = 5 "NotFound": "The unloaded kinematic state, because no steady state was found, or at a standstill no clamped one",
     Clamped = 6 "Clamped": "The belt at a standstill under its clamping forces",
 }

@@ -1,6 +1,7 @@
 //! Parameters, set before a run: one struct per group, one field per parameter of the interface. SI units, angles in rad. Start values and
 //! ranges are in [`table`](super::table).
 
+use crate::archive::Archive;
 pub use crate::chain::PushElements;
 pub use crate::contact::{Contact, Friction};
 pub use crate::cylinder::Cylinder;
@@ -9,6 +10,7 @@ pub use crate::ring::layers::Layers;
 pub use crate::ring::{Joints, Ring};
 pub use crate::shaft::ShaftDrag;
 pub use crate::tilt::{RIGID_TILT_STIFFNESS, Tilt};
+use crate::variator::settings::ParameterError;
 pub use crate::variator::settings::choices::{Axial, BeltKind, Drive, Mode, RingModel};
 
 /// Lag of a pulley's speed behind its set point in [`Drive::Speed`], s.
@@ -106,6 +108,71 @@ pub struct Initial {
     pub primary_speed: f64,
     pub steady: bool,
     pub equilibrium: bool,
+    pub strict: bool,
+}
+
+/// Parameters that the laws use, to which this dereferences, with those that were set. A pull chain has no stack, no layers and no ring that
+/// slides on elements; its contact is at its centre line, and its whole mass is that of the ring. So both kinds don't compare:
+///
+/// ```compile_fail,E0369
+/// # use pushbelt::variator::settings::Parameters;
+/// let parameters = Parameters::default();
+/// assert!(parameters.in_force() == parameters);
+/// ```
+#[derive(Clone, Debug)]
+pub struct ParametersInForce {
+    as_set: Parameters,
+    laws: Parameters,
+}
+
+impl std::ops::Deref for ParametersInForce {
+    type Target = Parameters;
+
+    fn deref(&self) -> &Parameters {
+        &self.laws
+    }
+}
+
+impl std::ops::DerefMut for ParametersInForce {
+    fn deref_mut(&mut self) -> &mut Parameters {
+        &mut self.laws
+    }
+}
+
+impl ParametersInForce {
+    /// The parameters that were set.
+    pub fn as_set(&self) -> &Parameters {
+        &self.as_set
+    }
+
+    /// Sets the two tunable friction coefficients. Returns whether one has changed.
+    ///
+    /// # Errors
+    /// A coefficient that is out of its range; nothing was changed.
+    pub fn set_friction(&mut self, pulley: f64, ring: f64) -> Result<bool, ParameterError> {
+        let present = &self.as_set.friction;
+        if (present.pulley, present.ring) == (pulley, ring) {
+            return Ok(false);
+        }
+        let mut changed = self.as_set.clone();
+        (changed.friction.pulley, changed.friction.ring) = (pulley, ring);
+        changed.validate_friction()?;
+        self.laws.friction = changed.in_force().laws.friction;
+        self.as_set = changed;
+        Ok(true)
+    }
+
+    /// Writes the two tunable friction coefficients to an archive, or reads them.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        let Friction {
+            mut pulley, mut ring, ..
+        } = self.as_set.friction;
+        archive.real(&mut pulley);
+        archive.real(&mut ring);
+        if self.set_friction(pulley, ring).is_err() {
+            archive.reject();
+        }
+    }
 }
 
 impl Parameters {
@@ -140,18 +207,20 @@ impl Parameters {
         if self.is_chain() { 0.0 } else { self.belt.pitch_offset }
     }
 
-    /// The parameters that the laws use. A pull chain has no stack, no layers and no ring that slides on elements; its contact
-    /// is at its centre line, and its whole mass is that of the ring.
+    /// The parameters that the laws use.
     #[must_use]
-    pub fn in_force(&self) -> Self {
-        let mut of = self.clone();
+    pub fn in_force(&self) -> ParametersInForce {
+        let mut laws = self.clone();
         if self.is_chain() {
-            of.ring.mass_per_length += of.belt.mass_per_length;
-            (of.belt.mass_per_length, of.belt.play) = (0.0, 0.0);
-            of.belt.pitch_offset = self.pitch_offset();
-            (of.layers.friction, of.layers.thickness, of.friction.ring) = (0.0, 0.0, 0.0);
+            laws.ring.mass_per_length += laws.belt.mass_per_length;
+            (laws.belt.mass_per_length, laws.belt.play) = (0.0, 0.0);
+            laws.belt.pitch_offset = self.pitch_offset();
+            (laws.layers.friction, laws.layers.thickness, laws.friction.ring) = (0.0, 0.0, 0.0);
         }
-        of
+        ParametersInForce {
+            as_set: self.clone(),
+            laws,
+        }
     }
 
     /// Parameters of a pulley.

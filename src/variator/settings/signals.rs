@@ -108,6 +108,7 @@ pub struct PulleyOutputs {
     pub sheave_velocity: f64,
     pub clamping_force_total: f64,
     pub flow: f64,
+    pub volume: f64,
     pub axial_force: f64,
     pub shaft_torque: f64,
     pub external_torque: f64,
@@ -179,6 +180,7 @@ pub struct Work {
     pub residuals: i32,
     pub defect: f64,
     pub behind: f64,
+    pub skipped: f64,
     pub rollbacks: i32,
 }
 

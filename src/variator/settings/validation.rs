@@ -5,7 +5,7 @@
 
 use crate::reference_curve::TwoPulley;
 use crate::variator::settings::parameters::{Parameters, RingModel};
-use crate::variator::settings::signals::Inputs;
+use crate::variator::settings::signals::{INPUTS, Inputs};
 use crate::variator::settings::table::{Setting, inputs, parameters};
 use crate::variator::settings::{BEYOND_STOP, STEEL_SCATTER};
 use std::f64::consts::PI;
@@ -46,6 +46,16 @@ impl Parameters {
         require(ramp >= 0.0 || ramp == -1.0, "inputs.ramp", ramp, || {
             "0 to 10, or -1 for the whole communication step".to_owned()
         })?;
+        for (pulley, name) in [
+            (&self.primary, "primary.tiltClearance"),
+            (&self.secondary, "secondary.tiltClearance"),
+        ] {
+            let clearance = pulley.tilt.clearance;
+            // The square of a hundredth of it is above the least number, and so is what a flank moves by it.
+            require(clearance == 0.0 || clearance >= 1e-9, name, clearance, || {
+                "1e-9 to 0.1, or 0: less moves a flank by less than an atom, and rounding takes it".to_owned()
+            })?;
+        }
         // Only the deflecting ring leaves the plane.
         let spatial = !self.spatial || self.ring_model == RingModel::Ale;
         require(spatial, "ring.spatial", true, || {
@@ -183,6 +193,19 @@ impl Inputs {
     /// Checks every input against its range; returns the first that is out of it.
     pub fn validate(&self) -> Result<(), ParameterError> {
         inputs::<_, ()>().try_for_each(|input| input.check(self))
+    }
+
+    /// Checks that rates of inputs are finite.
+    pub(crate) fn validate_rates(&self) -> Result<(), ParameterError> {
+        let mut rates = INPUTS.into_iter().zip(self.values());
+        let Some(((name, ..), rate)) = rates.find(|(_, rate)| !rate.is_finite()) else {
+            return Ok(());
+        };
+        Err(ParameterError::new(
+            format!("the derivative of {name}"),
+            rate,
+            "a finite number",
+        ))
     }
 }
 

@@ -33,9 +33,8 @@ const FIRM: f64 = 1.0e4;
 /// times the specified one. Without it, half of the starts beyond capacity end in such a state. Half: -4, -3; twice: -1, +1.
 const RUN_AWAY: f64 = 0.3;
 
-/// Times in which the reaction force and the set point of Θ are corrected, s. Half: 0, 0 and -2, -1; twice: 0, 0 and -1, -1.
+/// Time in which the reaction force is corrected, s. Half and twice: 0, 0.
 const FORCE_TIME: f64 = 0.02;
-const RATIO_TIME: f64 = 0.2;
 
 /// Fewest elements of an arc and of a strand on a coarse mesh.
 const FEWEST: [i32; 2] = [6, 3];

@@ -11,14 +11,14 @@ use crate::solver::newton::Newton;
 use crate::solver::{State, View};
 use crate::variator::belt::Belt;
 use crate::variator::diagnostics::belt::BeltDiagnostics;
-use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::{Boundary, Loads, RATIO_TIME, ShaftMode, SheaveMode};
 use crate::variator::settings::Inputs;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::steady::{
-    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME,
-    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
+    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, FORCE_TIME, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RUN_AWAY,
+    STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::variator::system::VariatorSystem;
 
@@ -66,10 +66,14 @@ impl SteadySolver<'_> {
             let warm = SteadyTask { warm: true, ..*task };
             let mut outcome = self.solve_coarsely(&coarse, state, task);
             outcome = outcome.and_then(|_| self.solve(state, &warm));
-            let factor = FIRM / task.clamping[task.reaction.other()];
-            if outcome.is_err() && factor > 1.0 {
+            let pushes = PerPulley::from_fn(|pulley| self.system.pulleys().push(pulley, kinematic.view()));
+            let closing = |pulley: Pulley| task.clamping[pulley] + pushes[pulley];
+            let present = closing(task.reaction.other());
+            if outcome.is_err() && 0.0 < present && present < FIRM {
+                let factor = FIRM / present;
                 state.copy_from(&kinematic);
-                let clamping = task.clamping.map(|force| factor * force);
+                // Springs and rotating oil stay as they are.
+                let clamping = PerPulley::from_fn(|pulley| factor * closing(pulley) - pushes[pulley]);
                 outcome = self.solve(state, &SteadyTask { clamping, ..*task });
                 outcome = outcome.and_then(|_| self.solve(state, &warm));
             }

@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-use std::ffi::{CString, c_char, c_int, c_uint};
+use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::path::{Path, PathBuf};
 use std::ptr::null;
 

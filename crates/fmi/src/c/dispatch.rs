@@ -1,13 +1,16 @@
 //! Forwarding to a variant of the library for newer processors.
 //!
-//! A portable build has two libraries for x86-64: `Name`, which runs everywhere and is complete by itself, and `Name-avx2` in the
-//! same folder. An instance that `Name` creates there opens `Name-avx2`, gets all its calls forwarded, and closes it at its end; the
-//! operating system counts how often. So a host that unloads `Name` after its instances leaves nothing loaded. Instances that exist at
-//! the same time are all in one of the two, because they exchange stored states. A function is looked up at each call: 0.1 µs.
+//! A portable build has two libraries for x86-64: `Name`, which runs everywhere and is complete by
+//! itself, and `Name-avx2` in the same folder. An instance that `Name` creates there opens
+//! `Name-avx2`, gets all its calls forwarded, and closes it at its end; the operating system counts
+//! how often. So a host that unloads `Name` after its instances leaves nothing loaded. Instances
+//! that exist at the same time are all in one of the two, because they exchange stored states. A
+//! function is looked up at each call: 0.1 µs.
 //!
-//! `Name` runs by itself, with a warning that says why, if the processor lacks AVX2, if the environment variable `PUSHBELT_AVX2` is "0",
-//! or if `Name-avx2` is not the file of its build. `Name` contains the hash of that file and compares it before the system opens the
-//! file, because to open a damaged or strange library can already end the host.
+//! `Name` runs by itself, with a warning that says why, if the processor lacks AVX2, if the
+//! environment variable `PUSHBELT_AVX2` is "0", or if `Name-avx2` is not the file of its build.
+//! `Name` contains the hash of that file and compares it before the system opens the file, because
+//! to open a damaged or strange library can already end the host.
 
 use std::cell::Cell;
 use std::ffi::c_void;
@@ -20,7 +23,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use super::entry::contain;
 use super::library::{self, Library};
 use crate::hash;
-use crate::unit::Remark;
+use crate::unit::Message;
 
 /// Environment variable: "0" makes the library run by itself.
 const SWITCH: &str = "PUSHBELT_AVX2";
@@ -29,21 +32,21 @@ const SWITCH: &str = "PUSHBELT_AVX2";
 const HANDSHAKE: &str = "pushbeltVariant";
 
 /// Why the library of a portable build runs.
-static REMARK: Mutex<Option<Remark>> = Mutex::new(None);
+static MESSAGE: Mutex<Option<Message>> = Mutex::new(None);
 
-fn remark_now() -> MutexGuard<'static, Option<Remark>> {
-    REMARK.lock().unwrap_or_else(PoisonError::into_inner)
+fn message_now() -> MutexGuard<'static, Option<Message>> {
+    MESSAGE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What the log of a new instance has about the choice of the library.
-pub(crate) fn remark() -> Option<Remark> {
-    remark_now().clone()
+pub(crate) fn message() -> Option<Message> {
+    message_now().clone()
 }
 
 /// Another library opens this one as its variant.
 pub fn handshake() {
     let (warning, text) = (false, "the library for processors with AVX2 runs".to_owned());
-    *remark_now() = Some(Remark { warning, text });
+    *message_now() = Some(Message { warning, text });
 }
 
 /// Instances of this library, and those that it has forwarded.
@@ -69,8 +72,8 @@ impl Handle {
     }
 }
 
-/// Creates an instance in the variant whose file has this hash, or here. `call` makes the call, of a function of the variant or, if that is
-/// null, of this library.
+/// Creates an instance in the variant whose file has this hash, or here. `call` makes the call, of
+/// a function of the variant or, if that is null, of this library.
 pub fn create(hash: &str, name: &str, call: impl FnOnce(*mut c_void) -> *mut c_void) -> *mut c_void {
     let mut handle = Handle {
         instance: null_mut(),
@@ -87,12 +90,15 @@ pub fn create(hash: &str, name: &str, call: impl FnOnce(*mut c_void) -> *mut c_v
     })
 }
 
-/// Makes a call on an instance: `call` gets it as its library has it, and the function as in [`create`].
+/// Makes a call on an instance: `call` gets it as its library has it, and the function as in
+/// [`create`].
 ///
 /// # Safety
 /// `c` is null, or comes from [`create`] and has not been freed.
 pub unsafe fn on<T>(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *mut c_void) -> T) -> T {
-    let Some(handle) = c.cast::<Handle>().as_ref() else {
+    // SAFETY: the caller grants that it is null or a boxed handle. The references of two calls at
+    // once, of which one is in a callback of the other, are both shared: `is_in_call` is a cell.
+    let Some(handle) = (unsafe { c.cast::<Handle>().as_ref() }) else {
         return call(null_mut(), null_mut());
     };
     let outer = handle.is_in_call.replace(true);
@@ -107,10 +113,14 @@ pub unsafe fn on<T>(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *
 /// As for [`on`].
 pub unsafe fn free(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *mut c_void)) {
     let handle = c.cast::<Handle>();
-    if handle.as_ref().is_some_and(|handle| !handle.is_in_call.get()) {
-        on(c, name, call);
+    // SAFETY: the caller grants that it is null or a boxed handle.
+    if unsafe { handle.as_ref() }.is_some_and(|handle| !handle.is_in_call.get()) {
+        // SAFETY: the same handle.
+        unsafe { on(c, name, call) };
         contain((), || {
-            let handle = Box::from_raw(handle);
+            // SAFETY: it is not null, so it is from `Box::into_raw` in `create`, and has not been
+            // freed. No call on it is in progress, and none follows.
+            let handle = unsafe { Box::from_raw(handle) };
             handle.count().fetch_sub(1, SeqCst);
         });
     }
@@ -124,12 +134,13 @@ fn choose(hash: &str) -> Option<Library> {
     }
     let found = open(hash, forwarded).map_err(|why| {
         let text = format!("the slower library for all processors runs: {why}");
-        *remark_now() = Some(Remark::warning(text));
+        *message_now() = Some(Message::warning(text));
     });
     found.ok()
 }
 
-/// Opens the variant, or says why this library runs by itself. Its file and the switch are not checked again if it `is_open`.
+/// Opens the variant, or says why this library runs by itself. Its file and the switch are not
+/// checked again if it `is_open`.
 fn open(hash: &str, is_open: bool) -> Result<Library, String> {
     if !has_avx2() {
         return Err("the processor has no AVX2".to_owned());
@@ -147,20 +158,23 @@ fn open(hash: &str, is_open: bool) -> Result<Library, String> {
 
 /// Loads a checked file.
 fn load(path: &Path) -> Result<Library, String> {
-    // SAFETY: it is the library that was compiled with this one. Its initialisation is that of Rust's standard library.
+    // SAFETY: `check` has compared the file's hash with that of the library compiled with this one,
+    // whose initialisation is that of Rust's standard library; or that library is open already.
     let library = unsafe { Library::open(path) }?;
     let handshake = library.find(HANDSHAKE);
     if handshake.is_null() {
         return Err("it has no handshake".to_owned());
     }
-    // SAFETY: the library exports the function of this name, with this type.
+    // SAFETY: it is not null, and `export!` gives the function of this name this type. The library
+    // is open.
     unsafe { std::mem::transmute::<*mut c_void, extern "C" fn()>(handshake)() };
     Ok(library)
 }
 
 /// Checks that a file has this hash.
 fn check(path: &Path, hash: &str) -> Result<(), String> {
-    // Without these checks the message would be that of the operating system, and a pipe would keep the host waiting.
+    // Without these checks the message would be that of the operating system, and a pipe would keep
+    // the host waiting.
     let found = fs::metadata(path).map_err(|_| "there is no such file")?;
     if !found.is_file() || !hash.starts_with(&format!("{}-", found.len())) {
         let size = found.len();
@@ -186,6 +200,20 @@ fn has_avx2() -> bool {
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_variant_has_the_size_and_the_content_of_its_build() {
+        let path = std::env::temp_dir().join(format!("pushbelt-fmi variant {}", std::process::id()));
+        let checked = |content: &[u8]| {
+            fs::write(&path, content).expect("a file");
+            check(&path, &hash::of_file(b"good")).err()
+        };
+        assert_eq!(checked(b"good"), None);
+        assert!(checked(b"evil").is_some_and(|why| why.contains("content")));
+        assert!(checked(b"goods").is_some_and(|why| why.contains("5 bytes")));
+        fs::remove_file(&path).expect("there");
+        assert!(check(&path, "4-").is_err_and(|why| why.contains("no such file")));
+    }
+
     /// There is no file with this hash, so the instance is one of this library.
     #[test]
     fn an_instance_is_freed_once_and_not_within_a_call_on_it() {
@@ -197,6 +225,7 @@ mod tests {
         });
         let own = || INSTANCES[0].load(SeqCst);
         assert_eq!(own(), 1);
+        assert!(message().is_some_and(|why| why.warning && why.text.starts_with("the slower library")));
         // SAFETY: it is from `create`, and null is legal.
         unsafe {
             let free_it = || {
@@ -204,7 +233,10 @@ mod tests {
                     freed.set(freed.get() + u8::from(found == instance))
                 })
             };
-            on(c, "call", |_, _| free_it());
+            on(c, "call", |_, _| {
+                on(c, "call within it", |_, _| ());
+                free_it();
+            });
             assert_eq!((freed.get(), own()), (0, 1));
             free_it();
             assert_eq!((freed.get(), own()), (1, 0));

@@ -1,8 +1,10 @@
-//! The floating-point environment: rounding, flushing of subnormal numbers, traps and flags, which belong to the thread.
+//! The floating-point environment: rounding, flushing of subnormal numbers, traps and flags, which
+//! belong to the thread.
 //!
-//! Rust code requires the default environment, and the calling convention makes its caller provide it. Many hosts don't: some
-//! trap invalid operations, some flush subnormal numbers. So every C function runs in the default environment, whatever the
-//! host's is, and returns in the host's environment, flags included. Callbacks of the host run in the host's environment.
+//! Rust code requires the default environment, and the calling convention makes its caller provide
+//! it. Many hosts don't: some trap invalid operations, some flush subnormal numbers. So every C
+//! function runs in the default environment, whatever the host's is, and returns in the host's
+//! environment, flags included. Callbacks of the host run in the host's environment.
 
 use std::cell::Cell;
 
@@ -34,7 +36,8 @@ pub(crate) fn in_hosts<T>(callback: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Runs `body` as a function of its own: the compiler moves no arithmetic of it across a change of the environment.
+/// Runs `body` as a function of its own: the compiler moves no arithmetic of it across a change of
+/// the environment.
 #[inline(never)]
 fn not_inlined<T>(body: impl FnOnce() -> T) -> T {
     body()
@@ -62,7 +65,8 @@ mod registers {
     /// The flags in the status word of the x87.
     const FLAGS: u16 = 0x00ff;
 
-    /// Control and status of SSE; control word and flags of the x87, which libraries of C use for some functions.
+    /// Control and status of SSE; control word and flags of the x87, which libraries of C use for
+    /// some functions.
     #[derive(Clone, Copy)]
     pub struct Registers {
         mxcsr: u32,
@@ -74,7 +78,8 @@ mod registers {
         pub fn hold() -> Self {
             let (mut mxcsr, x87) = (0, x87());
             set_x87(x87, X87);
-            // SAFETY: the instructions write to `mxcsr` and set the default, which the compiler presumes.
+            // SAFETY: the instructions write to `mxcsr` and set the default, which the compiler
+            // presumes.
             unsafe {
                 asm!(
                     "stmxcsr [{}]", "ldmxcsr [{}]",
@@ -87,8 +92,14 @@ mod registers {
         /// Sets this environment.
         pub fn load(&self) {
             set_x87(x87(), self.x87);
-            // SAFETY: the value is one that `hold` has read. The host's code, or the caller's, follows.
-            unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const self.mxcsr, options(nostack, preserves_flags, readonly)) };
+            // SAFETY: the value is one that `hold` has read. The host's code, or the caller's,
+            // follows.
+            unsafe {
+                asm!(
+                    "ldmxcsr [{}]",
+                    in(reg) &raw const self.mxcsr, options(nostack, preserves_flags, readonly)
+                );
+            }
         }
     }
 
@@ -97,7 +108,10 @@ mod registers {
         let [control, status] = words.each_mut().map(std::ptr::from_mut);
         // SAFETY: the instructions write to the two words.
         unsafe {
-            asm!("fnstcw [{}]", "fnstsw [{}]", in(reg) control, in(reg) status, options(nostack, preserves_flags))
+            asm!(
+                "fnstcw [{}]", "fnstsw [{}]",
+                in(reg) control, in(reg) status, options(nostack, preserves_flags)
+            );
         };
         [words[0], words[1] & FLAGS]
     }
@@ -111,7 +125,8 @@ mod registers {
         // SAFETY: the instruction writes to `environment`, which has its size in this mode.
         unsafe { asm!("fnstenv [{}]", in(reg) &raw mut environment, options(nostack, preserves_flags)) };
         (environment[0], environment[1]) = (control, environment[1] & !u32::from(FLAGS) | flags);
-        // SAFETY: what the instruction above has written, with other words. The registers of the x87 stay as they are.
+        // SAFETY: what the instruction above has written, with other words. The registers of the
+        // x87 stay as they are.
         unsafe { asm!("fldenv [{}]", in(reg) &raw const environment, options(nostack, preserves_flags)) };
     }
 }
@@ -131,8 +146,8 @@ mod registers {
         /// The present environment, after which the default one is set.
         pub fn hold() -> Self {
             let [fpcr, fpsr]: [u64; 2];
-            // SAFETY: zero is the default environment, which the compiler presumes: no traps, rounding to nearest, subnormal
-            // numbers kept, no flags.
+            // SAFETY: zero is the default environment, which the compiler presumes: no traps,
+            // rounding to nearest, subnormal numbers kept, no flags.
             unsafe {
                 asm!(
                     "mrs {}, fpcr", "mrs {}, fpsr", "msr fpcr, xzr", "msr fpsr, xzr",
@@ -145,9 +160,13 @@ mod registers {
         /// Sets this environment.
         pub fn load(&self) {
             let Self { fpcr, fpsr } = *self;
-            // SAFETY: the values are those that `hold` has read. The host's code, or the caller's, follows.
+            // SAFETY: the values are those that `hold` has read. The host's code, or the caller's,
+            // follows.
             unsafe {
-                asm!("msr fpcr, {}", "msr fpsr, {}", in(reg) fpcr, in(reg) fpsr, options(nostack, preserves_flags));
+                asm!(
+                    "msr fpcr, {}", "msr fpsr, {}",
+                    in(reg) fpcr, in(reg) fpsr, options(nostack, preserves_flags)
+                );
             }
         }
     }

@@ -16,12 +16,16 @@ impl Library {
     /// Loads a library, whose own libraries must be those of the system.
     ///
     /// # Safety
-    /// The initialisation of the library is sound.
+    /// The initialisation of the library at this path, and its end when it is closed, may run in
+    /// this process.
+    ///
+    /// # Errors
+    /// The system can't load it, with the system's reason.
     pub unsafe fn open(path: &Path) -> Result<Self, String> {
-        // SAFETY: as the caller grants.
+        // SAFETY: the caller grants that the library's initialisation may run.
         #[cfg(unix)]
         let opened = unsafe { unix::Library::open(Some(path), unix::RTLD_NOW | unix::RTLD_LOCAL) };
-        // SAFETY: as the caller grants.
+        // SAFETY: the caller grants that the library's initialisation may run.
         #[cfg(windows)]
         let opened = unsafe { windows::Library::load_with_flags(path, windows::LOAD_LIBRARY_SEARCH_SYSTEM32) };
         opened
@@ -31,7 +35,8 @@ impl Library {
 
     /// The address of an exported function; null if there is none.
     pub fn find(&self, name: &str) -> *mut c_void {
-        // SAFETY: an address only; the caller decides what is there.
+        // SAFETY: it is read as an address, which any symbol has. Nothing is called here, and
+        // `self` keeps the library open.
         unsafe { self.0.get(name) }.map_or(null_mut(), |address| *address)
     }
 }
@@ -39,9 +44,10 @@ impl Library {
 /// A byte of this library, whose address identifies the library.
 static HERE: u8 = 0;
 
-/// The path of the library, or of the program, that contains this code: the real one, on which neither a link to the library nor the
-/// working directory has an effect. `dladdr` has the path that the host gave to `dlopen`, which may be relative to another working
-/// directory than that of today.
+/// The path of the library, or of the program, that contains this code: the real one, on which
+/// neither a link to the library nor the working directory has an effect. `dladdr` has the path
+/// that the host gave to `dlopen`, which may be relative to another working directory than that of
+/// today.
 #[cfg(target_os = "linux")]
 pub fn own_path() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt as _;
@@ -60,7 +66,8 @@ pub fn own_path() -> Option<PathBuf> {
     })
 }
 
-/// The path that the system has kept since the library was loaded, without links. A relative one is of no use.
+/// The path that the system has kept since the library was loaded, without links. A relative one is
+/// of no use.
 #[cfg(not(target_os = "linux"))]
 pub fn own_path() -> Option<PathBuf> {
     loaded_from().filter(|path| path.is_absolute())?.canonicalize().ok()
@@ -71,7 +78,8 @@ fn loaded_from() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt as _;
 
     let mut found = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
-    // SAFETY: `dladdr` fills the structure, or returns zero. The name ends with a zero and is valid while the library is loaded.
+    // SAFETY: `dladdr` fills the structure, or returns zero. The name ends with a zero and is valid
+    // while the library is loaded.
     unsafe {
         let known = libc::dladdr((&raw const HERE).cast(), found.as_mut_ptr()) != 0;
         let name = found.assume_init().dli_fname;
@@ -95,7 +103,8 @@ fn loaded_from() -> Option<PathBuf> {
     const LONGEST: u32 = 0x8000;
 
     let (mut module, mut path) = (null_mut(), vec![0; LONGEST as usize]);
-    // SAFETY: the address is in this module, which stays loaded while its code runs; the array has the given size.
+    // SAFETY: the address is in this module, which stays loaded while its code runs; the array has
+    // the given size.
     let length = unsafe {
         if GetModuleHandleExW(BY_ADDRESS, (&raw const HERE).cast(), &raw mut module) == 0 {
             return None;
@@ -103,4 +112,13 @@ fn loaded_from() -> Option<PathBuf> {
         GetModuleFileNameW(module, path.as_mut_ptr(), LONGEST)
     };
     (0 < length && length < LONGEST).then(|| std::ffi::OsString::from_wide(&path[..length as usize]).into())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_library_of_a_test_is_its_program() {
+        let program = std::env::current_exe().and_then(std::fs::canonicalize);
+        assert_eq!(super::own_path(), program.ok());
+    }
 }

@@ -1,9 +1,10 @@
 //! Common parts of the C functions of both versions.
 //!
-//! Each C function is one row of a table: `fmi2_functions!` and `fmi3_functions!`. A row has the name, the signature
-//! and, after `=`, the body, or after `=>` the instance and the call on its slave. Before `=` a row says what its body does with an
-//! instance: `creates`, `on c`, `free c`. A table passes its rows to another macro. `define!` makes a generic function of each row;
-//! `export_fmi2!` and `export!` make the exported functions for one unit, which call the generic ones.
+//! Each C function is one row of a table: `fmi2_functions!` and `fmi3_functions!`. A row has the
+//! name, the signature and, after `=`, the body, or after `=>` the instance and the call on it.
+//! Before `=` a row says what its body does with an instance: `creates`, `on c`, `free c`. A table
+//! passes its rows to another macro. `define!` makes a generic function of each row; `export_fmi2!`
+//! and `export!` make the exported functions for one unit, which call the generic ones.
 
 pub(super) mod creation;
 pub mod dispatch;
@@ -29,11 +30,15 @@ macro_rules! define {
             /// # Safety
             /// The caller grants what [the head of this module](super) lists.
             #[allow(non_snake_case, reason = "the standard's name")]
-            #[allow(unused_variables, unused_unsafe, dead_code, reason = "some rows need no unit, pointer or name")]
-            #[allow(clippy::too_many_arguments, clippy::extra_unused_type_parameters, reason = "the standard's")]
+            #[allow(unused_variables, unused_unsafe, dead_code, reason = "not used by some rows")]
+            #[allow(clippy::too_many_arguments, clippy::extra_unused_type_parameters, reason = "given")]
             pub unsafe fn $name<U: Unit>($($argument: $type),*) $(-> $result)? {
                 const FUNCTION: &str = stringify!($name);
-                $($body)? $(enter::<U, _>($c, FUNCTION, $call))?
+                // SAFETY: the caller grants what the head of the module lists. The body uses each
+                // argument for this alone: the instance by `enter` or `free_instance`, a stored
+                // state by `stored`, an array with its count by `array` or `array_mut`, a place by
+                // `result`, strings and callbacks by `instantiate`.
+                unsafe { $($body)? $(enter::<U, _>($c, FUNCTION, $call))? }
             }
         )*
     };
@@ -41,9 +46,9 @@ macro_rules! define {
 
 pub(super) use define;
 
-/// Exports C functions, each with a list of arguments, a result and a body, and lists their names in `NAMES`: functions of an FMU
-/// beyond the standard. After `, on` stands the argument that is an instance: in a library with a variant the call is made where the
-/// instance is.
+/// Exports C functions, each with a list of arguments, a result and a body, and lists their names
+/// in `NAMES`: functions of an FMU beyond the standard. After `, on` stands the argument that is an
+/// instance: in a library with a variant the call is made where the instance is.
 ///
 /// To be called in a module that allows `unsafe` code and names in C's style.
 #[macro_export]
@@ -60,7 +65,8 @@ macro_rules! export_functions {
             $(#[$attribute])*
             #[cfg_attr(not(test), unsafe(no_mangle))]
             pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
-                // SAFETY: as the caller grants.
+                // SAFETY: the caller grants what the section `Safety` above asks for, which is what
+                // the body needs.
                 $crate::__here_or_in_variant! {
                     [$($use $($instance)?)?] $name($($argument: $type),*) $(-> $result)?, unsafe { $body }
                 }
@@ -84,7 +90,7 @@ macro_rules! __export_for {
             /// The standard's function of this name.
             ///
             /// # Safety
-    #[doc = concat!("The caller grants what the documentation of `pushbelt_fmi::", stringify!($version), "` lists.")]
+    #[doc = concat!("The caller grants what the head of `pushbelt_fmi::", stringify!($version), "` lists.")]
             #[allow(clippy::too_many_arguments, reason = "the standard's")]
             $name($($argument: $type),*) $(-> $result)? $(, $use $($instance)?)? $(, on $c)? =
                 $crate::$version::functions::$name::<$unit>($($argument),*);
@@ -92,7 +98,8 @@ macro_rules! __export_for {
     };
 }
 
-/// The body of an exported function: a call in this library, or in its variant. Builds without variant have no code for it.
+/// The body of an exported function: a call in this library, or in its variant. Builds without
+/// variant have no code for it.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __here_or_in_variant {
@@ -129,13 +136,15 @@ macro_rules! __call {
             return $here;
         }
         type Function = unsafe extern "C" fn($($type),*) $(-> $result)?;
-        // SAFETY: the variant is compiled from the same sources, so its function has this type and the same requirements. It is open.
+        // SAFETY: the variant is compiled from the same sources, so its function has this type and
+        // the same requirements. It is open.
         unsafe { std::mem::transmute::<*mut $crate::libc::c_void, Function>($function)($($argument),*) }
     }};
 }
 
-/// Exports the C functions of FMI 2.0 and FMI 3.0 for the given [`Unit`](crate::Unit), and the function by which a library opens its
-/// variant, `pushbeltVariant`. To be called once in a library.
+/// Exports the C functions of FMI 2.0 and FMI 3.0 for the given [`Unit`](crate::Unit), and the
+/// function by which a library opens its variant, `pushbeltVariant`. To be called once in a
+/// library.
 #[macro_export]
 macro_rules! export {
     ($unit:ty) => {

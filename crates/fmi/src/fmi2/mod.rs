@@ -1,14 +1,20 @@
 //! The C functions of FMI 2.0 for co-simulation, for any unit.
 //!
-//! The functions convert raw pointers to references and slices; the module `slave` makes the calls.
-//! No panic leaves a function. The caller of a function grants, beyond what the function itself requires:
+//! The functions convert raw pointers to references and slices; the module `instance` makes the
+//! calls. No panic leaves a function. The caller of a function grants, beyond what the function
+//! itself requires:
 //!
-//! - a component comes from `fmi2Instantiate`, has not been freed, and is used by one call at a time
-//!   (not from within its own logger callback either);
-//! - a stored state is null, or it comes from `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and has not been freed;
-//! - an array argument is null or points to as many elements as its count; a string is null or ends with a zero;
-//! - a pointer for a result is null or points to writable memory;
-//! - a pointer is aligned for its type, and memory from the caller is initialised.
+//! - a component comes from `fmi2Instantiate`, has not been freed, and is used by one call at a
+//!   time (not from within its own logger callback either);
+//! - a stored state is null, or it comes from `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and
+//!   has not been freed;
+//! - callbacks are null or can be called with their environment until the instance is freed;
+//! - an array argument is null or points to as many elements as its count; a string is null or ends
+//!   with a zero;
+//! - a pointer for a result is null or points to writable memory, which no other array or string
+//!   argument contains;
+//! - a pointer is aligned for its type, and memory from the caller is initialised, but for the memory
+//!   of results, which C leaves uninitialised: it is only written to.
 //!
 //! The status is an error for a null pointer where the standard requires a value.
 
@@ -26,10 +32,12 @@ pub type Component = *mut c_void;
 /// `fmi2FMUstate`: a stored state.
 pub type FmuState = *mut c_void;
 
-/// `fmi2CallbackLogger`: environment, instance name, status, category, message format, arguments of the format.
+/// `fmi2CallbackLogger`: environment, instance name, status, category, message format, arguments of
+/// the format.
 pub type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
-/// `fmi2CallbackFunctions`. Only the logger is used: memory is the library's own, and steps finish before they return.
+/// `fmi2CallbackFunctions`. Only the logger is used: memory is the library's own, and steps finish
+/// before they return.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CallbackFunctions {

@@ -8,29 +8,35 @@ use std::ptr;
 use super::Component;
 use crate::c::creation::c_string;
 use crate::c::entry::{contain, enter, result};
+use crate::instance::FmuInstance;
 use crate::log::Status;
-use crate::slave::Slave;
-use crate::unit::{Remark, Unit};
+use crate::unit::{Message, Unit};
 
-/// Makes a query about the unit and returns the result as a string of its own. `*text` is null where there is none.
+/// Makes a query about the unit and returns the result as a string of its own. `*text` is null
+/// where there is none.
 ///
 /// # Safety
-/// The caller grants what [the head of this module](super) lists. The previous value of `*text` is not read.
+/// The caller grants what [the head of this module](super) lists. The previous value of `*text` is
+/// not read.
 pub unsafe fn query<U: Unit>(
     c: Component,
     function: &'static str,
     text: *mut *mut c_char,
-    query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<String, String>,
+    query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Message>) -> Result<String, String>,
 ) -> Status {
     if !text.is_null() {
-        text.write(ptr::null_mut());
+        // SAFETY: it is not null, and the caller grants that a pointer may be written there.
+        unsafe { text.write(ptr::null_mut()) };
     }
-    enter(c, function, |slave: &mut Slave<U>| {
-        let text = result(text)?;
-        let (status, found) = slave.query(query)?;
-        *text = c_string(&found).into_raw();
+    let call = |instance: &mut FmuInstance<U>| {
+        // SAFETY: it is null or points to the pointer written above.
+        let text = unsafe { result(text) }?;
+        let (status, found) = instance.query(query)?;
+        text.write(c_string(&found).into_raw());
         Ok(status)
-    })
+    };
+    // SAFETY: the caller grants that it is null or an instance that no other call uses.
+    unsafe { enter(c, function, call) }
 }
 
 /// Frees a text of [`query`]; null is legal.
@@ -40,7 +46,9 @@ pub unsafe fn query<U: Unit>(
 pub unsafe fn free_text(text: *mut c_char) {
     contain((), || {
         if !text.is_null() {
-            drop(CString::from_raw(text));
+            // SAFETY: it is not null, so it is from `CString::into_raw` in `query`, and the caller
+            // grants that it has not been freed.
+            drop(unsafe { CString::from_raw(text) });
         }
     });
 }

@@ -1,10 +1,12 @@
 //! FMI 3.0 for co-simulation: its C functions for any unit, and its XML.
 //!
-//! The caller of a function grants what [`fmi2`](super::fmi2) lists, with instances from `fmi3InstantiateCoSimulation` and stored states
-//! from `fmi3GetFMUState` or `fmi3DeserializeFMUState`. Within `fmi3DoStep` the intermediate update callback may use the instance; the
-//! callback for messages may not.
+//! The caller of a function grants what [`fmi2`](super::fmi2) lists, with instances from
+//! `fmi3InstantiateCoSimulation` and stored states from `fmi3GetFMUState` or
+//! `fmi3DeserializeFMUState`. Within `fmi3DoStep` the intermediate update callback may use the
+//! instance; the callback for messages may not.
 //!
-//! By the standard, an instance is terminated after an error. Here a refused call leaves it unchanged.
+//! By the standard, an instance is terminated after an error. Here a refused call leaves it
+//! unchanged.
 
 use libc::{c_char, c_int, c_void};
 
@@ -15,7 +17,7 @@ mod steps;
 #[forbid(unsafe_code)]
 mod terminals;
 
-pub use crate::slave::{Environment, IntermediateUpdate};
+pub use crate::instance::{Environment, IntermediateUpdate};
 pub use functions::NAMES;
 pub use terminals::{Terminal, terminals_and_icons};
 
@@ -25,7 +27,8 @@ pub type Instance = *mut c_void;
 pub type FmuState = *mut c_void;
 /// `fmi3ValueReference`.
 pub type Reference = u32;
-/// `fmi3Boolean` and `fmi3Clock`: one byte, 0 or 1. Not `bool`: an importer may pass another number.
+/// `fmi3Boolean` and `fmi3Clock`: one byte, 0 or 1. Not `bool`: an importer may pass another
+/// number.
 pub type Boolean = u8;
 /// `fmi3String`.
 pub type Text = *const c_char;

@@ -8,7 +8,7 @@ use pushbelt_fmi::Version::{self, Three, Two};
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
 use pushbelt_fmi::start_file::FILE;
 
-use crate::importer::{Arguments, BOTH, experiment, token};
+use crate::importer::{Arguments, BOTH, Message, experiment, token};
 use crate::tank::*;
 
 fn assert_refused(version: Version, arguments: &Arguments<'_>, why: &str) {
@@ -34,19 +34,19 @@ fn an_instance_needs_a_name_the_right_token_and_kind() {
             // What is not UTF-8 in a text is replaced.
             (name, Some(c"a\xffb"), "a\u{fffd}b is not that"),
         ] {
-            assert_refused(version, &Arguments::of([name, token, None]), why);
+            assert_refused(version, &Arguments::new([name, token, None]), why);
         }
-        let importer = Importer::with(version, &Arguments::of([name, Some(&right), None]));
+        let importer = Importer::with(version, &Arguments::new([name, Some(&right), None]));
         assert!(!importer.c.is_null() && importer.last().is_empty());
     }
     let [two, three] = BOTH.map(token::<Tank>);
-    let mut exchange = Arguments::of([name, Some(&two), None]);
+    let mut exchange = Arguments::new([name, Some(&two), None]);
     exchange.kind = 0;
     assert_refused(Two, &exchange, "for co-simulation only");
-    let mut of_three = Arguments::of([name, Some(&three), None]);
-    of_three.handles.2 = &[LEVEL, NONE];
+    let mut of_three = Arguments::new([name, Some(&three), None]);
+    of_three.handles.required = &[LEVEL, NONE];
     assert_refused(Three, &of_three, "no variable has the value reference 99");
-    let blank = Arguments::of([Some(c" "), Some(&three), None]);
+    let blank = Arguments::new([Some(c" "), Some(&three), None]);
     assert_refused(Three, &blank, "the instance name is missing");
 }
 
@@ -60,9 +60,9 @@ fn a_text_without_end_is_refused() {
         for which in 0..3 {
             let mut texts = [Some(c"instance"), Some(&right), None];
             texts[which] = Some(&long);
-            assert_refused(version, &Arguments::of(texts), "a text has more than 1048576 bytes");
+            assert_refused(version, &Arguments::new(texts), "a text has more than 1048576 bytes");
         }
-        let importer = Importer::with(version, &Arguments::of([Some(longest), Some(&right), None]));
+        let importer = Importer::with(version, &Arguments::new([Some(longest), Some(&right), None]));
         assert!(!importer.c.is_null(), "{}", importer.last());
         importer.assert(importer.log(true, &[&long]), Error, "1048576 bytes");
         importer.assert(importer.log(true, &[c"logEvents", longest]), Error, "no log category");
@@ -80,7 +80,8 @@ impl Resources {
         Self(folder)
     }
 
-    /// An instance with this token in which the resources are a URI in FMI 2.0 and a path in FMI 3.0.
+    /// An instance with this token in which the resources are a URI in FMI 2.0 and a path in FMI
+    /// 3.0.
     fn instance(&self, version: Version, token: &CStr) -> Importer {
         let path = self.0.to_str().expect("UTF-8");
         let location = match version {
@@ -90,7 +91,7 @@ impl Resources {
         let location = CString::new(location).expect("no zero inside");
         Importer::with(
             version,
-            &Arguments::of([Some(c"instance"), Some(token), Some(&location)]),
+            &Arguments::new([Some(c"instance"), Some(token), Some(&location)]),
         )
     }
 
@@ -108,7 +109,12 @@ impl Drop for Resources {
 #[test]
 fn start_values_come_from_the_resources() {
     let resources = Resources::new("good");
-    resources.write("# a comment\r\nstart = 3\nfloors=4\nlocked = true\n\n  shape = 2\ngain = 2e0");
+    resources.write("\u{feff}# a comment\r\nstart = 3\nfloors=4\nlocked = true\n\n  shape = 2\ngain = 2e0");
+    // In FMI 2.0 the URI may also mean a folder with percent signs, which comes second.
+    let second = resources.0.to_str().expect("UTF-8").replace(' ', "%20");
+    let second = Resources(second.into());
+    fs::create_dir_all(&second.0).expect("a folder");
+    second.write("start = 9");
     for version in BOTH {
         let importer = resources.instance(version, &token::<Tank>(version));
         assert!(!importer.c.is_null(), "{}", importer.last());
@@ -150,6 +156,8 @@ fn an_unusable_file_is_an_error_that_names_it() {
         importer.assert_logged(why);
         importer.assert_logged(FILE);
     }
+    resources.write(&large[1..]);
+    assert!(!resources.instance(Two, &token).c.is_null(), "the largest file");
     fs::remove_file(resources.0.join(FILE)).expect("there");
     let importer = resources.instance(Two, &token);
     assert!(!importer.c.is_null(), "without the file the defaults hold");
@@ -162,7 +170,7 @@ fn an_unusable_file_is_an_error_that_names_it() {
 #[test]
 fn data_come_from_the_first_folder_that_has_them() {
     let token = token::<Tank>(Two);
-    let at = |location| Arguments::of([Some(c"instance"), Some(&*token), Some(location)]);
+    let at = |location| Arguments::new([Some(c"instance"), Some(&*token), Some(location)]);
     assert_refused(Two, &at(c"file:///a/none"), "there are no data");
     // It may be percent-encoded or not.
     assert!(!Importer::with(Two, &at(c"file:///a/non%65")).c.is_null());
@@ -189,7 +197,7 @@ fn a_copy_with_start_values_needs_its_file() {
         importer.assert_logged(resources.0.to_str().expect("UTF-8"));
         let long = text(format!("file:///tmp/{}", "x".repeat(5000)));
         for (location, why) in [(c"", ""), (c"http://a/b", "is not a file: URI"), (&long, "")] {
-            let mut arguments = Arguments::of([Some(c"instance"), Some(&copy), Some(location)]);
+            let mut arguments = Arguments::new([Some(c"instance"), Some(&copy), Some(location)]);
             assert_refused(version, &arguments, "this copy of the FMU has start values of its own");
             let original = text(token.clone());
             (arguments.texts[1], arguments.debug) = (Some(&*original), true);
@@ -201,22 +209,27 @@ fn a_copy_with_start_values_needs_its_file() {
 }
 
 #[test]
-fn errors_are_logged_always_and_the_rest_on_request() {
+fn all_but_events_is_logged_without_a_request() {
     for version in BOTH {
         let arguments = [Some(c"instance"), Some(&*token::<Tank>(version)), None];
-        let importer = Importer::with(version, &Arguments::of(arguments));
+        let importer = Importer::with(version, &Arguments::new(arguments));
         let taken = || std::mem::take(&mut *importer.record.messages.borrow_mut());
-        // In FMI 2.0 warnings and discarded values are no debug messages.
-        let quiet = version == Three;
         assert_eq!(importer.set(START, 6.0), Ok);
         importer.start();
-        let warning = (1, "logStatusWarning".to_owned(), "filled to 100%s 6".to_owned());
-        assert_eq!(taken(), [warning][usize::from(quiet)..]);
+        let warning = Message {
+            status: 1,
+            category: "logStatusWarning".into(),
+            text: "filled to 100%s 6".into(),
+        };
+        assert_eq!(taken(), [warning]);
         assert_eq!(importer.set(GAIN, 99.0), Discard);
-        assert_eq!(taken().len(), usize::from(!quiet));
+        assert_eq!(taken().len(), 1);
         importer.assert(importer.step(9.0, 1.0).status, Error, "DoStep: the step starts at 9 s");
         let errors = taken();
-        assert_eq!((errors.len(), errors[0].0, &*errors[0].1), (1, 3, "logStatusError"));
+        assert_eq!(
+            (errors.len(), errors[0].status, &*errors[0].category),
+            (1, 3, "logStatusError")
+        );
         for (categories, events) in [
             (&[][..], true),
             (&[c"logEvents"], true),
@@ -230,6 +243,10 @@ fn errors_are_logged_always_and_the_rest_on_request() {
             assert_eq!(importer.exit(), Error);
             assert_eq!(taken().len(), 1, "errors in any case");
         }
+        assert_eq!(importer.log(true, &[]), Ok);
+        assert_eq!(importer.reset(), Ok);
+        importer.start();
+        assert_eq!(taken(), [], "logged is what was at the creation");
         assert_eq!(importer.log(false, &[]), Ok);
         assert_eq!(importer.log(true, &[c"noise #1"]), Error);
         importer.assert_logged(if version == Two { "noise #1" } else { "noise ##1" });

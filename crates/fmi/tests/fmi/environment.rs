@@ -1,4 +1,5 @@
-//! Floating-point environments of hosts, on x86-64: `MXCSR` of SSE, control word and flags of the x87.
+//! Floating-point environments of hosts, on x86-64: `MXCSR` of SSE, control word and flags of the
+//! x87.
 
 #![allow(unsafe_code, reason = "it reads and sets registers")]
 
@@ -10,8 +11,9 @@ pub type Environment = (u32, u16, u16);
 /// Without traps, flushing, or flags; rounding to nearest.
 pub const DEFAULT: Environment = (0x1f80, 0x037f, 0);
 
-/// Of hosts that trap invalid operations, divisions by zero and overflows; that take subnormal numbers as zero; that round upward, on the x87
-/// in double precision; that have flags of earlier operations.
+/// Of hosts that trap invalid operations, divisions by zero and overflows; that take subnormal
+/// numbers as zero; that round upward, on the x87 in double precision; that have flags of earlier
+/// operations.
 pub const HOSTS: [Environment; 4] = [
     (0x1900, 0x0372, 0),
     (0x9fc0, 0x037f, 0),
@@ -26,7 +28,8 @@ pub fn present() -> Environment {
     unsafe {
         asm!(
             "stmxcsr [{}]", "fnstcw [{}]", "fnstsw [{}]",
-            in(reg) &raw mut mxcsr, in(reg) &raw mut control, in(reg) &raw mut status, options(nostack, preserves_flags)
+            in(reg) &raw mut mxcsr, in(reg) &raw mut control, in(reg) &raw mut status,
+            options(nostack, preserves_flags)
         );
     }
     (mxcsr, control, status & 0xff)
@@ -40,7 +43,8 @@ pub fn assert_default() {
 
 pub fn set((mxcsr, control, flags): Environment) {
     let mut x87 = [0_u32; 7];
-    // SAFETY: the instructions read and write what is given. What runs until the former environment is set again are calls of C functions.
+    // SAFETY: the instructions read and write what is given. What runs until the former environment
+    // is set again are calls of C functions.
     unsafe {
         asm!("fnstenv [{}]", in(reg) &raw mut x87, options(nostack, preserves_flags));
         (x87[0], x87[1]) = (control.into(), flags.into());
@@ -51,8 +55,9 @@ pub fn set((mxcsr, control, flags): Environment) {
     }
 }
 
-/// Runs calls of a host in its environment, and checks that they leave it as it is. `calls` computes nothing itself.
-pub fn within<T>(host: Environment, calls: impl FnOnce() -> T) -> T {
+/// Runs calls of a host in its environment, and checks that they leave it as it is. `calls`
+/// computes nothing itself.
+pub fn call_in<T>(host: Environment, calls: impl FnOnce() -> T) -> T {
     set(host);
     let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| not_inlined(calls)));
     let after = present();

@@ -7,15 +7,17 @@ use std::ptr::{null, null_mut};
 
 use pushbelt_fmi::Version::Two;
 use pushbelt_fmi::fmi2::functions::*;
-use pushbelt_fmi::log::Status::{Discard, Error, Ok};
+use pushbelt_fmi::fmi2::query::{free_text, query};
+use pushbelt_fmi::log::Status::{self, Discard, Error, Ok, Warning};
+use pushbelt_fmi::unit::Message;
 
-use crate::importer::token;
+use crate::importer::{experiment, token};
 use crate::run::running;
 use crate::tank::*;
 
 #[test]
 fn an_instance_without_a_logger_fails_silently() {
-    assert_eq!(NAMES.len(), 34);
+    assert_eq!(NAMES.len(), 44);
     // SAFETY: constant strings, an instance, and a value.
     unsafe {
         assert_eq!(CStr::from_ptr(fmi2GetVersion::<Tank>()), c"2.0");
@@ -29,10 +31,10 @@ fn an_instance_without_a_logger_fails_silently() {
 }
 
 #[test]
-fn null_pointers_are_errors() {
+fn null_and_misaligned_pointers_are_errors() {
     let importer = running(Two);
-    let c = importer.c;
-    // SAFETY: null is what the functions are to handle.
+    let (c, numbers) = (importer.c, [1.0; 2]);
+    // SAFETY: null and a misaligned address are what the functions are to handle.
     unsafe {
         fmi2FreeInstance::<Tank>(null_mut());
         assert_eq!(fmi2DoStep::<Tank>(null_mut(), 0.0, 1.0, 1), Error);
@@ -42,6 +44,7 @@ fn null_pointers_are_errors() {
             fmi2GetReal::<Tank>(c, &LEVEL, 1, null_mut()),
             fmi2GetReal::<Tank>(c, &LEVEL, usize::MAX, &mut 0.0),
             fmi2SetReal::<Tank>(c, &INFLOW, 1, null()),
+            fmi2SetReal::<Tank>(c, &INFLOW, 1, (&raw const numbers).byte_add(1).cast()),
             fmi2GetString::<Tank>(c, null(), 1, null_mut()),
             fmi2SetRealInputDerivatives::<Tank>(c, &INFLOW, 1, null(), &1.0),
             fmi2GetRealOutputDerivatives::<Tank>(c, &LEVEL, 1, &1, null_mut()),
@@ -57,7 +60,7 @@ fn null_pointers_are_errors() {
             fmi2SetDebugLogging::<Tank>(c, 1, 1, null()),
             fmi2SetDebugLogging::<Tank>(c, 1, 1, &null()),
         ];
-        assert_eq!(refused, [Error; 18]);
+        assert_eq!(refused, [Error; 19]);
         assert_eq!(importer.record.messages.borrow().len(), refused.len(), "each is logged");
         for done in [
             fmi2GetReal::<Tank>(c, null(), 0, null_mut()),
@@ -102,9 +105,75 @@ fn status_calls_return_how_the_last_step_ended() {
             assert_eq!(fmi2GetStatus::<Tank>(c, kind, &raw mut number), Error);
         }
         assert_eq!(fmi2CancelStep::<Tank>(c), Error);
+        assert_eq!(importer.terminate(), Ok);
+        assert_eq!(fmi2GetRealStatus::<Tank>(c, 2, &raw mut time), Ok);
         let instantiated = Importer::new(Two);
         assert_eq!(fmi2GetStatus::<Tank>(instantiated.c, 0, &raw mut number), Error);
     }
+}
+
+#[test]
+fn a_query_returns_a_text_or_null() {
+    let importer = Importer::new(Two);
+    let ask = |found: Result<&str, &str>, warning: bool| {
+        let mut text = c"before".as_ptr().cast_mut();
+        // SAFETY: an instance, and a place for a pointer; the text is copied and freed.
+        unsafe {
+            let status = query::<Tank>(importer.c, "ask", &raw mut text, |_, _, messages| {
+                messages.push(Message {
+                    warning,
+                    text: "a hint".into(),
+                });
+                found.map(str::to_owned).map_err(str::to_owned)
+            });
+            let found = (!text.is_null()).then(|| CStr::from_ptr(text).to_owned());
+            free_text(text);
+            (status, found)
+        }
+    };
+    assert_eq!(ask(Result::Ok("early"), false), (Error, None), "before the start");
+    assert_eq!(importer.enter(experiment(0.0, None)), Ok);
+    assert_eq!(ask(Result::Ok("a\0b"), false), (Ok, Some(c"a b".to_owned())));
+    assert_eq!(ask(Result::Ok("text"), true), (Warning, Some(c"text".to_owned())));
+    importer.assert_logged("a hint");
+    importer.assert(ask(Err("no such thing"), true), (Error, None), "ask: no such thing");
+    // SAFETY: an instance, and null.
+    let refused = unsafe { query::<Tank>(importer.c, "ask", null_mut(), |_, _, _| Result::Ok(String::new())) };
+    importer.assert(refused, Error, "the pointer for the result is null");
+    assert_eq!(importer.exit(), Ok, "and the run goes on");
+    assert_eq!(importer.reset(), Ok);
+    assert_eq!(importer.set(GAIN, 0.5), Ok);
+    assert_eq!(importer.enter(experiment(0.0, None)), Ok);
+    for why in ["gain = 0.5 does not fit", "there is no model after a failed start"] {
+        importer.assert(ask(Result::Ok("none"), false), (Error, None), why);
+    }
+}
+
+/// Model exchange: the functions are there, each logs its refusal, and the run goes on.
+#[test]
+fn functions_of_model_exchange_are_refused() {
+    let importer = running(Two);
+    let (c, mut number, mut flag) = (importer.c, 0.0, 0);
+    let (number, flag) = (&raw mut number, &raw mut flag);
+    // SAFETY: an instance, places for values, and null for the information on events.
+    let refused: [Status; 10] = unsafe {
+        [
+            fmi2EnterEventMode::<Tank>(c),
+            fmi2NewDiscreteStates::<Tank>(c, null_mut()),
+            fmi2EnterContinuousTimeMode::<Tank>(c),
+            fmi2CompletedIntegratorStep::<Tank>(c, 1, flag, flag),
+            fmi2SetTime::<Tank>(c, 1.0),
+            fmi2SetContinuousStates::<Tank>(c, number, 1),
+            fmi2GetDerivatives::<Tank>(c, number, 1),
+            fmi2GetEventIndicators::<Tank>(c, number, 1),
+            fmi2GetContinuousStates::<Tank>(c, number, 1),
+            fmi2GetNominalsOfContinuousStates::<Tank>(c, number, 1),
+        ]
+    };
+    let why = "fmi2GetNominalsOfContinuousStates: not supported: this FMU is for co-simulation only";
+    importer.assert(refused, [Error; 10], why);
+    assert_eq!(importer.record.messages.borrow().len(), refused.len());
+    assert_eq!(importer.step(0.0, 1.0).status, Ok, "and nothing has changed");
 }
 
 #[test]

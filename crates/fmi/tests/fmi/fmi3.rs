@@ -1,4 +1,5 @@
-//! What FMI 3.0 alone has, on a toy unit: arrays and the time, events, early returns, intermediate updates.
+//! What FMI 3.0 alone has, on a toy unit: arrays and the time, events, early returns, intermediate
+//! updates.
 
 #![allow(unsafe_code, reason = "C functions of the standard")]
 
@@ -14,8 +15,16 @@ use crate::importer::{Handles, Message, TIME, experiment, log_of_fmi3, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
-const WATCHES: Handles<'_> = (false, true, &[TIME, INFLOW, LEVEL]);
-const EVENTS: Handles<'_> = (true, true, &[]);
+const WATCHES: Handles<'_> = Handles {
+    events: false,
+    early_return: true,
+    required: &[TIME, INFLOW, LEVEL],
+};
+const EVENTS: Handles<'_> = Handles {
+    events: true,
+    early_return: true,
+    required: &[],
+};
 
 fn running_with(handles: Handles<'_>) -> Importer {
     let importer = Importer::handling(Three, handles);
@@ -115,6 +124,8 @@ fn an_event_ends_a_step_that_may_end_early() {
     assert_eq!(importer.set(MARK, 2.2), Ok);
     assert_eq!(importer.step(0.0, 2.0), ended(true, true, 0.75));
     importer.assert_logged("event at 0.75 s: the level reaches 2.2");
+    let event = importer.record.messages.borrow().last().expect("it").clone();
+    assert_eq!((event.status, &*event.category), (0, "logEvents"));
     let flag: *mut u8 = &mut 9;
     let update = |time: *mut f64| {
         // SAFETY: an instance, and places for results or null.
@@ -129,14 +140,18 @@ fn an_event_ends_a_step_that_may_end_early() {
     assert_eq!(importer.step(0.75, 1.25), ended(false, false, 2.0));
     assert_eq!(importer.real(LEVEL), 3.75);
     for (events, early_return, event) in [(true, false, true), (false, true, false), (false, false, false)] {
-        let importer = running_with((events, early_return, &[]));
+        let importer = running_with(Handles {
+            events,
+            early_return,
+            required: &[],
+        });
         assert_eq!(importer.set(MARK, 2.2), Ok);
         assert_eq!(importer.step(0.0, 2.0), ended(event, false, 2.0));
     }
 }
 
 #[test]
-fn a_master_reads_sets_and_returns_within_a_step() {
+fn an_importer_reads_sets_and_returns_within_a_step() {
     let importer = running_with(WATCHES);
     let alias = importer.alias();
     importer.answer(move |update| {
@@ -152,23 +167,36 @@ fn a_master_reads_sets_and_returns_within_a_step() {
     });
     assert_eq!(importer.step(0.0, 1.0), ended(false, false, 1.0));
     assert_eq!((importer.real(LEVEL), importer.record.updates.borrow().len()), (4.0, 4));
-    for (later, end) in [(0.0, 1.25), (0.1, 1.35), (f64::NAN, 1.25), (-1.0, 1.25), (9.0, 2.0)] {
+    for (later, end) in [
+        (0.0, 1.25),
+        (0.1, 1.35),
+        (f64::NAN, 1.25),
+        (-1.0, 1.25),
+        (0.75, 2.0),
+        (9.0, 2.0),
+    ] {
         let importer = running_with(WATCHES);
         assert_eq!(importer.step(0.0, 1.0).status, Ok);
         importer.answer(move |update| (update.time == 1.25).then_some(update.time + later));
         assert_eq!(importer.step(1.0, 1.0), ended(false, end < 2.0, end), "{later}");
         assert_eq!(importer.real(LEVEL), 1.0 + 2.0 * end);
     }
-    let importer = running_with((false, false, WATCHES.2));
+    let importer = running_with(Handles {
+        early_return: false,
+        ..WATCHES
+    });
     importer.answer(|update| Some(update.time));
     assert_eq!(importer.step(0.0, 1.0), ended(false, false, 1.0));
 }
 
 #[test]
 fn a_variable_that_cannot_be_updated_is_announced_with_a_warning_and_refused() {
-    let importer = running_with((false, true, &[GAIN, LEVEL, GAIN]));
+    let importer = running_with(Handles {
+        required: &[GAIN, LEVEL, GAIN],
+        ..WATCHES
+    });
     let warning = "fmi3InstantiateCoSimulation: gain can't be set or read in intermediate update";
-    let is_it = |(status, _, text): &&Message| *status == 1 && text.contains(warning);
+    let is_it = |message: &&Message| message.status == 1 && message.text.contains(warning);
     assert_eq!(importer.record.messages.borrow().iter().filter(is_it).count(), 1);
     let alias = importer.alias();
     importer.answer(move |update| {
@@ -244,7 +272,9 @@ fn unsupported_functions_are_refused() {
     };
     assert_eq!(refused, [Error; 18]);
     let messages = importer.record.messages.borrow();
-    let reasons = messages.iter().filter(|(_, _, text)| text.contains("not supported: "));
+    let reasons = messages
+        .iter()
+        .filter(|message| message.text.contains("not supported: "));
     assert_eq!(reasons.count(), refused.len());
     assert_eq!(importer.step(0.0, 1.0).status, Ok, "and nothing has changed");
 }

@@ -1,4 +1,5 @@
-//! An importer of either version: it makes the C functions' calls, and records the messages and the intermediate updates.
+//! An importer of either version: it makes the C functions' calls, and records the messages and the
+//! intermediate updates.
 //!
 //! Other tests include this file: `crate::layer` is the FMI layer.
 
@@ -28,10 +29,15 @@ pub const BOTH: [Version; 2] = [Two, Three];
 /// Value reference of the time in FMI 3.0.
 pub const TIME: u32 = 0;
 
-/// Status, category, text.
-pub type Message = (c_int, String, String);
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    pub status: c_int,
+    pub category: String,
+    pub text: String,
+}
 
-/// Arguments of the callback in intermediate update mode: the time, whether inputs may be set, and an early return be requested.
+/// Arguments of the callback in intermediate update mode: the time, whether inputs may be set, and
+/// an early return be requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
     pub time: f64,
@@ -69,7 +75,8 @@ unsafe fn own(text: *const c_char) -> String {
     unsafe { CStr::from_ptr(text) }.to_str().expect("UTF-8").to_owned()
 }
 
-/// The standard's logger is variadic. This one takes the one argument that belongs to "%s"; on the platforms of the tests both are
+/// The standard's logger is variadic. This one takes the one argument that belongs to "%s", with
+/// which the unit passes a text that has a percent sign; on the platforms of the tests both are
 /// called the same way.
 unsafe extern "C" fn log_of_fmi2(
     environment: *mut c_void,
@@ -80,10 +87,13 @@ unsafe extern "C" fn log_of_fmi2(
     argument: *const c_char,
 ) {
     unsafe {
-        assert_eq!(own(format), "%s");
-        let record = &*environment.cast::<Record>();
+        let (record, format) = (&*environment.cast::<Record>(), own(format));
+        let with_argument = format == "%s";
+        let text = if with_argument { own(argument) } else { format };
+        assert_eq!(text.contains('%'), with_argument, "{text}");
         *record.instance.borrow_mut() = own(instance);
-        record.hear((status, own(category), own(argument)));
+        let category = own(category);
+        record.hear(Message { status, category, text });
     }
 }
 
@@ -95,7 +105,8 @@ pub unsafe extern "C" fn log_of_fmi3(
 ) {
     unsafe {
         let record = &*environment.cast::<Record>();
-        record.hear((status, own(category), own(message)));
+        let (category, text) = (own(category), own(message));
+        record.hear(Message { status, category, text });
     }
 }
 
@@ -125,9 +136,14 @@ unsafe extern "C" fn update(
     }
 }
 
-/// Capabilities of an importer of FMI 3.0: events, early return, and the variables for intermediate update mode; the callback is set if
-/// there are any.
-pub type Handles<'a> = (bool, bool, &'a [u32]);
+/// Capabilities of an importer of FMI 3.0.
+#[derive(Clone, Copy, Default)]
+pub struct Handles<'a> {
+    pub events: bool,
+    pub early_return: bool,
+    /// Variables for intermediate update mode; the callback is set if there are any.
+    pub required: &'a [u32],
+}
 
 pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
     Experiment {
@@ -147,7 +163,7 @@ pub struct Arguments<'a> {
 }
 
 impl<'a> Arguments<'a> {
-    pub fn of(texts: [Option<&'a CStr>; 3]) -> Self {
+    pub fn new(texts: [Option<&'a CStr>; 3]) -> Self {
         Self {
             texts,
             debug: false,
@@ -205,7 +221,11 @@ impl<U: Unit> Importer<U> {
         let record = Rc::new(Record::default());
         let environment = Rc::as_ptr(&record).cast_mut().cast();
         let [name, token, location] = arguments.texts.map(|text| text.map_or(null(), CStr::as_ptr));
-        let (events, early_return, required) = arguments.handles;
+        let Handles {
+            events,
+            early_return,
+            required,
+        } = arguments.handles;
         let c = unsafe {
             match version {
                 Two => {
@@ -245,7 +265,7 @@ impl<U: Unit> Importer<U> {
         }
     }
 
-    /// An instance without debug logging in FMI 2.0, and with it in FMI 3.0: both log warnings.
+    /// An instance without debug logging in FMI 2.0, and with it in FMI 3.0, which has events.
     pub fn new(version: Version) -> Self {
         Self::handling(version, Handles::default())
     }
@@ -256,7 +276,7 @@ impl<U: Unit> Importer<U> {
         let arguments = Arguments {
             debug: version == Three,
             handles,
-            ..Arguments::of([Some(c"instance"), Some(&token), None])
+            ..Arguments::new([Some(c"instance"), Some(&token), None])
         };
         let importer = Self::with(version, &arguments);
         assert!(!importer.c.is_null(), "{}", importer.last());
@@ -507,7 +527,7 @@ impl<U: Unit> Importer<U> {
 
     pub fn last(&self) -> String {
         let messages = self.record.messages.borrow();
-        messages.last().map_or_else(String::new, |message| message.2.clone())
+        messages.last().map_or_else(String::new, |message| message.text.clone())
     }
 
     /// A call ended like this, and the last message has this part.

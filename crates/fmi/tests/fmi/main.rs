@@ -1,5 +1,5 @@
-//! The FMI layer on a toy unit, in both versions of the standard: state machine, C functions, stored states, derivatives,
-//! descriptions.
+//! The FMI layer on a toy unit, in both versions of the standard: state machine, C functions,
+//! stored states, derivatives, descriptions.
 
 mod creation;
 mod description;

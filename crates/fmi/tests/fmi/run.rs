@@ -5,7 +5,7 @@ use pushbelt_fmi::log::Status::{self, Discard, Error, Ok};
 use pushbelt_fmi::state::State;
 use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{BOTH, Ended, experiment};
+use crate::importer::{BOTH, Ended, Handles, experiment};
 use crate::tank::*;
 
 pub fn running(version: Version) -> Importer {
@@ -51,7 +51,13 @@ use State::{
 };
 
 fn in_state(version: Version, state: State) -> Importer {
-    let importer = Importer::handling(version, (state == Event, false, &[]));
+    let importer = Importer::handling(
+        version,
+        Handles {
+            events: state == Event,
+            ..Handles::default()
+        },
+    );
     if state != Instantiated {
         assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     }
@@ -74,7 +80,8 @@ fn in_state(version: Version, state: State) -> Importer {
     importer
 }
 
-/// A call and the states in which it is allowed: table 4.2.4 of FMI 2.0, sections 2.3 and 4.2 of FMI 3.0.
+/// A call and the states in which it is allowed: table 4.2.4 of FMI 2.0, sections 2.3 and 4.2 of
+/// FMI 3.0.
 type Rule = (&'static str, fn(&Importer) -> Status, &'static [State]);
 
 fn status<T>(result: Result<T, Status>) -> Status {
@@ -236,10 +243,17 @@ fn invalid_experiments_are_refused() {
         assert_eq!(importer.exit(), Ok);
         assert_eq!(importer.step(1.0, 1.0).status, Ok);
         assert_eq!(importer.step(2.0, 1.0).status, Error);
-        assert_eq!(importer.reset(), Ok);
-        assert_eq!(importer.enter(with_stop(f64::INFINITY)), Ok, "none");
-        assert_eq!(importer.exit(), Ok);
-        assert_eq!(importer.step(1.0, 50.0).status, Ok);
+        for (stop, step) in [(f64::INFINITY, 100.0), (1.0, 1e-9)] {
+            assert_eq!(importer.reset(), Ok);
+            assert_eq!(importer.enter(with_stop(stop)), Ok, "none, or the start");
+            assert_eq!(importer.exit(), Ok);
+            let expected = if stop > 1.0 { Ok } else { Error };
+            assert_eq!(
+                importer.step(1.0, step).status,
+                expected,
+                "the longest step, or one too many"
+            );
+        }
     }
 }
 
@@ -292,17 +306,23 @@ fn derivatives_are_those_of_the_unit() {
     }
 }
 
-/// A step that goes to an internal step's end on its own, a stored state, an overflow, a number that is none: the same bits in every
-/// environment, to which all calls and callbacks return.
+/// A step that goes to an internal step's end on its own, a stored state, an overflow, a number
+/// that is none: the same bits in every environment, to which all calls and callbacks return.
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
-    use crate::environment::{DEFAULT, HOSTS, present, within};
+    use crate::environment::{DEFAULT, HOSTS, call_in, present};
     use std::cell::RefCell;
     use std::rc::Rc;
 
     let run = |version| {
-        let importer = Importer::handling(version, (false, false, &[INFLOW, LEVEL]));
+        let importer = Importer::handling(
+            version,
+            Handles {
+                required: &[INFLOW, LEVEL],
+                ..Handles::default()
+            },
+        );
         let seen = Rc::new(RefCell::new(Vec::new()));
         let (alias, record, heard) = (importer.alias(), Rc::clone(&seen), Rc::clone(&seen));
         *importer.record.hears.borrow_mut() = Some(Box::new(move || heard.borrow_mut().push(present())));
@@ -331,9 +351,9 @@ fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
         (bits, seen.take())
     };
     for version in BOTH {
-        let (expected, _) = within(DEFAULT, || run(version));
+        let (expected, _) = call_in(DEFAULT, || run(version));
         for host in HOSTS {
-            let (bits, seen) = within(host, || run(version));
+            let (bits, seen) = call_in(host, || run(version));
             assert_eq!(bits, expected, "{host:?}");
             assert!(seen.len() > if version == Two { 0 } else { 6 });
             assert!(seen.iter().all(|of_callback| *of_callback == host), "{host:?} {seen:?}");
@@ -348,7 +368,13 @@ fn an_environment_that_is_set_in_a_callback_is_the_hosts() {
     use crate::environment::{DEFAULT, HOSTS, present, set};
 
     for host in HOSTS {
-        let importer = Importer::handling(Three, (false, false, &[LEVEL]));
+        let importer = Importer::handling(
+            Three,
+            Handles {
+                required: &[LEVEL],
+                ..Handles::default()
+            },
+        );
         importer.start();
         importer.answer(move |_| {
             set(host);

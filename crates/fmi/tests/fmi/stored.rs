@@ -5,8 +5,9 @@ use std::ptr::null_mut;
 use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::hash;
 use pushbelt_fmi::log::Status::{Error, Ok};
+use pushbelt_fmi::unit::Experiment;
 
-use crate::importer::{BOTH, experiment, token};
+use crate::importer::{BOTH, Handles, experiment, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
@@ -58,7 +59,13 @@ fn a_state_holds_everything_and_fits_every_instance() {
 
 #[test]
 fn a_state_of_event_mode_fits_every_instance() {
-    let importer = Importer::handling(Three, (true, false, &[]));
+    let importer = Importer::handling(
+        Three,
+        Handles {
+            events: true,
+            ..Handles::default()
+        },
+    );
     assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     assert_eq!(importer.exit(), Ok);
     let bytes = importer.bytes();
@@ -93,6 +100,40 @@ fn the_stop_time_of_the_instance_counts_not_that_of_a_stored_state() {
     }
 }
 
+/// The tolerance is one of the values that are stored before the start.
+#[test]
+fn the_tolerance_is_stored() {
+    for version in BOTH {
+        let [importer, other] = [version; 2].map(Importer::new);
+        let tolerance = Some(0.25);
+        assert_eq!(
+            importer.enter(Experiment {
+                tolerance,
+                ..experiment(0.0, None)
+            }),
+            Ok
+        );
+        assert_eq!(other.continue_from(&importer.bytes()), Ok);
+        for started in [importer, other] {
+            assert_eq!(started.log(true, &[]), Ok);
+            assert_eq!(started.exit(), Ok);
+            started.assert_logged("filled within 0.25");
+        }
+    }
+}
+
+/// Another hash is another layout: raise `VERSION` in `instance/bytes.rs` and pin it again.
+#[test]
+fn the_layout_of_stored_values_is_pinned() {
+    let importer = Importer::new(Two);
+    importer.start_at(5.0);
+    assert_eq!(importer.step(5.0, 1.0).status, Ok);
+    assert_eq!(importer.set_derivative(INFLOW, 1, 0.5), Ok);
+    let bytes = importer.bytes();
+    let found = hash::of_bytes(&bytes[28..bytes.len() - 16]);
+    assert_eq!(found, 0xd0fe_3012_986d_6227_e9d3_0162_384c_84fb);
+}
+
 #[test]
 fn wrong_bytes_are_refused_and_change_nothing() {
     for version in BOTH {
@@ -108,7 +149,11 @@ fn wrong_bytes_are_refused_and_change_nothing() {
         assert_eq!(bytes[12..28], guid.to_le_bytes(), "after the version");
         refuses(&bytes[1..], "not a stored state");
         refuses(&[&bytes[..], b"x"].concat(), "checksum");
-        refuses(&damaged(8), "version");
+        // Those of another version of the layout by both versions: the present one, 18, and 18 with the changed bit.
+        refuses(
+            &damaged(8),
+            "has version 2 of the layout, and this FMU reads version 18",
+        );
         refuses(&damaged(12), "GUID");
         refuses(&damaged(bytes.len() - 1), "checksum");
         for at in 0..bytes.len() {

@@ -82,7 +82,7 @@ pub struct Tank {
     gauges: Gauges,
 }
 
-const UNITS: &[UnitDefinition] = &[UnitDefinition::new("1", &[])];
+const UNITS: &[UnitDefinition] = &[UnitDefinition::new("1", &[]).shown_in(&[("%", 100.0)])];
 
 static SHAPES: Enumeration = Enumeration {
     name: "Shape",
@@ -111,7 +111,7 @@ impl Unit for Tank {
     fn table() -> Table<Valves, Gauges> {
         type Type = Kind<Valves, Gauges>;
         let real = |reference, name: &str, causality, access: Access<Valves, Gauges, f64>| {
-            Variable::real(reference, name, "", causality, "1", access).within(Range::from(-1e3))
+            Variable::real(reference, name, "", causality, "1", access).with_range(Range::from(-1e3))
         };
         let other = |reference, name: &str, causality, kind: Type| Variable {
             reference,
@@ -131,7 +131,7 @@ impl Unit for Tank {
         };
         let mut variables = vec![
             real(START, "start", Parameter, setting!(start)),
-            real(GAIN, "gain", Tunable, setting!(gain)).within(Range::between(-1e3, 10.0)),
+            real(GAIN, "gain", Tunable, setting!(gain)).with_range(Range::between(-1e3, 10.0).with_nominal(2e6)),
             real(INFLOW, "inflow", Input, setting!(inflow)),
             real(BRIM, "brim", Input, setting!(brim)),
             real(LEVEL, "level", Output, Access::Reading(|gauges| gauges.level)),
@@ -172,11 +172,14 @@ impl Unit for Tank {
         }
     }
 
-    fn start(valves: &Valves, _: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(valves: &Valves, experiment: &Experiment, messages: &mut Vec<Message>) -> Result<Self, String> {
         Self::check(valves)?;
-        remarks.push(Remark {
+        messages.push(Message {
             warning: valves.start > 5.0,
-            text: format!("filled to 100%s {}", valves.start),
+            text: match experiment.tolerance {
+                Some(tolerance) => format!("filled within {tolerance}"),
+                None => format!("filled to 100%s {}", valves.start),
+            },
         });
         Ok(Self {
             time: 0.0,
@@ -212,7 +215,7 @@ impl Unit for Tank {
         })
     }
 
-    fn advance(&mut self, to: f64, step: &mut Step, valves: &Valves, _: &mut Vec<Remark>) -> Result<(), String> {
+    fn advance(&mut self, to: f64, step: &mut Step, valves: &Valves, _: &mut Vec<Message>) -> Result<(), String> {
         assert!(valves.inflow != BURST, "the tank burst");
         let to = to.min(self.time + LONGEST);
         let [before, after] = [self.time, to].map(|time| valves.inflow + step.growth * (time - step.before.time));
@@ -234,11 +237,11 @@ impl Unit for Tank {
 
     fn moment(&mut self) -> Option<([Gauges; 2], f64)> {
         let [flow, growth] = self.flow;
-        let around = [-0.5, 0.5].map(|after| Gauges {
+        let around = [-0.25, 0.25].map(|after| Gauges {
             level: self.level + after * (flow + 0.5 * after * growth),
             ..Gauges::default()
         });
-        Some((around, 1.0))
+        Some((around, 0.5))
     }
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {

@@ -3,7 +3,7 @@
 use pushbelt_fmi::Version::{self, Three, Two};
 use pushbelt_fmi::log::Status::{Error, Ok};
 
-use crate::importer::BOTH;
+use crate::importer::{BOTH, Handles};
 use crate::run::{ended, running};
 use crate::tank::*;
 
@@ -16,7 +16,8 @@ fn running_from(version: Version, start: f64) -> Importer {
     importer
 }
 
-/// Hosts reach one point by different sums: a step that is rounding alone changes nothing but the point at which the next one begins.
+/// Hosts reach one point by different sums: a step that is rounding alone changes nothing but the
+/// point at which the next one begins.
 #[test]
 fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
     for version in BOTH {
@@ -26,6 +27,9 @@ fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
             let (mut time, level) = (start + 0.1, importer.real(LEVEL));
             assert_eq!(importer.set(INFLOW, 9.0), Ok);
             for size in steps {
+                if version == Two {
+                    assert_eq!(importer.set_derivative(INFLOW, 1, 9.0), Ok, "for this step alone");
+                }
                 assert_eq!(importer.step(time, size), ended(false, false, time + size), "{size}");
                 assert_eq!(importer.real(LEVEL), level, "{size}");
                 time += size;
@@ -38,6 +42,11 @@ fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
             }
         }
     }
+    // A thousandth of the step is taken for rounding, at any time.
+    let late = running_from(Three, TODAY);
+    assert_eq!([2e-4, 5e-5].map(|by| late.step(TODAY + by, 0.1).status), [Error, Ok]);
+    // As is the rounding of the number, which is more than that of a short step.
+    assert_eq!(running_from(Three, TODAY).step(TODAY + 2.4e-7, 1e-4).status, Ok);
     // Steps of less than the rounding add up.
     let importer = running_from(Two, TODAY);
     let mut time = TODAY;
@@ -76,10 +85,17 @@ fn a_short_step_can_follow_a_long_one() {
     assert!((importer.real(LEVEL) - 1.0 - 2.0 * time).abs() < 1e-6);
 }
 
-/// A master with callback has its own times in the updates, in an early return and in messages.
+/// An importer with callback has its own times in the updates, in an early return and in messages.
 #[test]
-fn intermediate_updates_have_the_masters_times() {
-    let importer = Importer::handling(Three, (false, true, &[LEVEL]));
+fn intermediate_updates_have_the_importers_times() {
+    let importer = Importer::handling(
+        Three,
+        Handles {
+            events: false,
+            early_return: true,
+            required: &[LEVEL],
+        },
+    );
     importer.start_at(TODAY);
     importer.assert_logged("start at 1700000000 s");
     importer.answer(|update| (update.time == TODAY + 0.25).then_some(TODAY + 0.375));

@@ -39,12 +39,16 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
             let importer = running(version);
             importer.assert(importer.set_reals(&[BRIM, reference], &[5.0, bad]), Discard, why);
             let message = importer.record.messages.borrow().last().expect("a message").clone();
-            assert_eq!((message.0, &*message.1), (2, "logStatusDiscard"));
+            assert_eq!((message.status, &*message.category), (2, "logStatusDiscard"));
             importer.assert_reals(&[BRIM, INFLOW, GAIN], &[1e9, 2.0, 1.0]);
             assert_eq!(importer.step(0.0, 1.0).status, Ok, "the run goes on");
             assert_eq!(importer.real(LEVEL), 3.0);
         }
         let importer = Importer::new(version);
+        assert_eq!([1, 9].map(|limit| importer.set_number(FLOORS, limit)), [Ok; 2]);
+        assert_eq!(importer.set_number(LOCKED, -1), Ok, "true");
+        assert_eq!(importer.enter(experiment(0.0, None)), Ok);
+        assert_eq!(importer.number(LOCKED), Result::Ok(1));
         for (reference, bad, why) in [
             (FLOORS, 10, "floors = 10 is out of range: 1 to 9"),
             (FLOORS, i32::MIN, "floors = -2147483648 is out of range"),

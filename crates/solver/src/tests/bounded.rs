@@ -60,10 +60,12 @@ fn in_parts(more: f64, stored: bool) -> (State, u32) {
         if stored {
             let mut archive = Archive::writer();
             sdirk.serialize(&mut archive);
+            sdirk.newton.serialize_factors(&mut archive);
             sdirk = bounded(&system, work(0.0));
             let bytes = archive.into_bytes();
             let mut archive = Archive::reader(&bytes);
             sdirk.serialize(&mut archive);
+            sdirk.newton.serialize_factors(&mut archive);
             assert_eq!(archive.finish(), Ok(()));
         }
     }

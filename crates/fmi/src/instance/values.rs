@@ -1,8 +1,10 @@
 //! Reading and writing of variables.
 
+use std::mem::MaybeUninit;
+
 use num_traits::{NumCast, ToPrimitive};
 
-use super::instance::{Slave, Version};
+use super::calls::{FmuInstance, Version};
 use super::snapshot::Snapshot;
 use super::{CallError, Outcome, refused};
 use crate::state::{Call, State};
@@ -39,8 +41,11 @@ impl Type {
     }
 }
 
-impl<U: Unit> Slave<U> {
+impl<U: Unit> FmuInstance<U> {
     /// Reads or writes variables of a type that no variable has.
+    ///
+    /// # Errors
+    /// There is a value reference.
     pub fn no_such_type(&mut self, call: Call, references: &[u32], type_name: &str) -> Outcome {
         self.allow(call)?;
         match references.first() {
@@ -51,22 +56,26 @@ impl<U: Unit> Slave<U> {
 
     /// In intermediate update mode, refuses variables that were not announced for it.
     pub(super) fn allow_intermediate(&self, references: &[u32]) -> Outcome {
-        let announced = |reference: &u32| *reference == TIME || self.master.intermediate.contains(reference);
+        let announced = |reference: &u32| *reference == TIME || self.importer.intermediate.contains(reference);
         match references.iter().find(|reference| !announced(reference)) {
             Some(other) if self.now.state == State::IntermediateUpdate => refused(format!(
-                "in intermediate update mode, and the value reference {other} is not among the required intermediate \
-                 variables that fmi3InstantiateCoSimulation was given, or does not support this mode"
+                "in intermediate update mode, and the value reference {other} is not among the required \
+                 intermediate variables that fmi3InstantiateCoSimulation was given, or does not support this mode"
             )),
             _ => Ok(()),
         }
     }
 
     /// Reads variables of a type, in FMI 3.0 the time among them.
-    pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
+    ///
+    /// # Errors
+    /// A variable does not exist or has another type, or the number of values is wrong; or the unit
+    /// does not start, and the instance has failed.
+    pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [MaybeUninit<N>]) -> Outcome {
         self.allow_intermediate(references)?;
         self.check_values(references, values.len())?;
         self.allow(Call::Get)?;
-        let version = self.master.version;
+        let version = self.importer.version;
         let time = (of == Type::Real && version == Version::Three).then(|| Value::Real(self.time()));
         let (mut calculated, mut elements) = (false, false);
         for &reference in references.iter().filter(|one| **one != TIME || time.is_none()) {
@@ -85,19 +94,23 @@ impl<U: Unit> Slave<U> {
         }
         let Snapshot { settings, unit, .. } = &mut self.now;
         let readings = unit.as_mut().map(|unit| unit.readings(elements));
-        for (reference, value) in each(version, &self.table, references).zip(values) {
+        for (reference, value) in value_references(version, &self.table, references).zip(values) {
             let found = match time {
                 Some(_) if reference == TIME => time,
                 _ => find(&self.table, reference, of)?.value(settings, readings),
             };
             if let Some(found) = found.and_then(Value::number) {
-                *value = found;
+                value.write(found);
             }
         }
         Ok(())
     }
 
     /// Writes variables of a type: either all values are set or none.
+    ///
+    /// # Errors
+    /// A variable does not exist, has another type or can't be set now, or the number of values is
+    /// wrong; or a value is out of range, and it is discarded.
     pub fn set<N: ToPrimitive>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
         self.allow(Call::Set)?;
         self.allow_intermediate(references)?;
@@ -107,7 +120,7 @@ impl<U: Unit> Slave<U> {
             has_tunable |= self.check_writable(find(&self.table, reference, of)?)?;
         }
         let mut settings = self.now.settings.clone();
-        for (reference, value) in each(self.master.version, &self.table, references).zip(values) {
+        for (reference, value) in value_references(self.importer.version, &self.table, references).zip(values) {
             let value = match of {
                 Type::Real => Value::Real(value.to_f64().unwrap_or(f64::NAN)),
                 _ => Value::Integer(value.to_i64().unwrap_or(i64::MAX)),
@@ -140,29 +153,32 @@ impl<U: Unit> Slave<U> {
         }
     }
 
-    /// Checks that there is a value for each scalar, the time, and in FMI 3.0 each element of an array.
+    /// Checks that there is a value for each scalar, the time, and in FMI 3.0 each element of an
+    /// array.
     fn check_values(&self, references: &[u32], values: usize) -> Outcome {
         let mut arrays = references
             .iter()
             .filter_map(|one| Some((*one, self.table.array_of(*one)?)));
         if let Some((element, array)) = arrays.find(|(one, array)| *one != array.first)
-            && self.master.version == Version::Three
+            && self.importer.version == Version::Three
         {
             return refused(format!(
-                "the value reference {element} is that of an element of {}: use the array, value reference {}",
+                "the value reference {element} is that of an element of {}: use the array, value \
+                 reference {}",
                 array.name, array.first
             ));
         }
         check_count(
             references.len(),
             values,
-            each(self.master.version, &self.table, references).count(),
+            value_references(self.importer.version, &self.table, references).count(),
         )
     }
 }
 
-/// The value reference of each value: in FMI 3.0 those of an array's elements for that of the array.
-fn each<S, R>(version: Version, table: &Table<S, R>, references: &[u32]) -> impl Iterator<Item = u32> {
+/// The value reference of each value: in FMI 3.0 those of an array's elements for that of the
+/// array.
+fn value_references<S, R>(version: Version, table: &Table<S, R>, references: &[u32]) -> impl Iterator<Item = u32> {
     references
         .iter()
         .flat_map(move |&reference| match table.array_of(reference) {
@@ -172,10 +188,14 @@ fn each<S, R>(version: Version, table: &Table<S, R>, references: &[u32]) -> impl
 }
 
 /// The variable with a value reference, if it has this type.
+///
+/// # Errors
+/// No variable has it, or another type.
 pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Result<&Variable<S, R>, CallError> {
     match table.by_reference(reference) {
         None if reference == TIME => refused(
-            "time (value reference 0) is the independent variable: it can't be set, and only fmi3GetFloat64 reads it",
+            "time (value reference 0) is the independent variable: it can't be set, and only \
+             fmi3GetFloat64 reads it",
         ),
         None => match table.retired.iter().find(|retired| retired.reference == reference) {
             Some(retired) => refused(retired.to_string()),
@@ -190,6 +210,9 @@ pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Resul
 }
 
 /// Checks that the number of values is that of all variables together.
+///
+/// # Errors
+/// It is another one.
 pub(super) fn check_count(variables: usize, values: usize, together: usize) -> Outcome {
     if values == together {
         return Ok(());

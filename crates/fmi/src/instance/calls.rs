@@ -11,7 +11,7 @@ use crate::description;
 use crate::log::{Category, Log, Status};
 use crate::state::{Call, State};
 use crate::table::Table;
-use crate::unit::{Remark, Unit};
+use crate::unit::{Message, Unit};
 
 /// Version of the standard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,21 +26,29 @@ pub enum Version {
 /// `fmi3InstanceEnvironment`: a pointer that the importer gets back with each callback.
 pub type Environment = *mut c_void;
 
-/// `fmi3IntermediateUpdateCallback`: environment, time, whether inputs may be set, whether outputs may be read, whether the unit's
-/// step is accepted, whether an early return may be requested; results: whether it is requested, and for which time.
+/// `fmi3IntermediateUpdateCallback`: environment, time, whether inputs may be set, whether outputs
+/// may be read, whether the unit's step is accepted, whether an early return may be requested;
+/// results: whether it is requested, and for which time.
 pub type IntermediateUpdate = unsafe extern "C" fn(Environment, f64, u8, u8, u8, u8, *mut u8, *mut f64);
 
-/// Capabilities of a master. The default is a master of FMI 2.0.
+/// A function of the importer, and the environment that it gets back.
+#[derive(Clone, Copy, Debug)]
+pub struct Callback {
+    pub function: IntermediateUpdate,
+    pub environment: Environment,
+}
+
+/// Capabilities of an importer. The default is an importer of FMI 2.0.
 #[derive(Clone, Debug, Default)]
-pub struct Master {
+pub struct Importer {
     /// Version of the standard.
     pub version: Version,
     /// Whether it handles events: `eventModeUsed`.
     pub events: bool,
     /// Whether a communication step may end early.
     pub early_return: bool,
-    /// Called after each internal step of the unit, with the importer's environment.
-    pub update: Option<(IntermediateUpdate, Environment)>,
+    /// Called after each internal step of the unit.
+    pub update: Option<Callback>,
     /// Variables that it sets and reads there.
     pub intermediate: Vec<u32>,
     /// Whether inputs are among them.
@@ -61,10 +69,10 @@ pub(super) struct StepInProgress<U: Unit> {
 }
 
 /// An instance of a unit.
-pub struct Slave<U: Unit> {
+pub struct FmuInstance<U: Unit> {
     pub(super) table: Table<U::Settings, U::Readings>,
     pub(super) log: Log,
-    pub(super) master: Master,
+    pub(super) importer: Importer,
     /// The start values of a new or reset instance.
     pub(super) start: U::Settings,
     /// Computed once: it is a hash of the whole description.
@@ -75,12 +83,12 @@ pub struct Slave<U: Unit> {
     pub(super) now: Snapshot<U>,
 }
 
-impl<U: Unit> Slave<U> {
-    pub fn with(master: Master, log: Log, start: U::Settings) -> Self {
+impl<U: Unit> FmuInstance<U> {
+    pub fn new(importer: Importer, log: Log, start: U::Settings) -> Self {
         Self {
             table: U::table(),
             log,
-            master,
+            importer,
             start: start.clone(),
             guid: OnceCell::new(),
             step: None,
@@ -93,20 +101,24 @@ impl<U: Unit> Slave<U> {
             .get_or_init(|| description::token::<U>(Version::Two, U::data(&self.start)))
     }
 
-    /// The present time, s: the communication point; before the start the start time, and in intermediate update mode the
-    /// time of the unit.
+    /// The present time, s: the communication point; before the start the start time, and in
+    /// intermediate update mode the time of the unit.
     pub fn time(&self) -> f64 {
         match &self.now.unit {
-            Some(unit) if self.now.state == State::IntermediateUpdate => self.now.clock.of_master(unit.time()),
+            Some(unit) if self.now.state == State::IntermediateUpdate => self.now.clock.importer_time(unit.time()),
             Some(_) => self.now.clock.point,
             None => self.now.experiment.start,
         }
     }
 
+    /// Whether a call is allowed now.
+    ///
+    /// # Errors
+    /// It is not.
     pub(crate) fn allow(&self, call: Call) -> Outcome {
         let state = self.now.state;
         // FMI 3.0 also lets start values be read before the initialisation.
-        let early = call == Call::Get && state == State::Instantiated && self.master.version == Version::Three;
+        let early = call == Call::Get && state == State::Instantiated && self.importer.version == Version::Three;
         if early || call.allowed_in(state) {
             return Ok(());
         }
@@ -114,22 +126,28 @@ impl<U: Unit> Slave<U> {
     }
 
     /// Starts the unit, unless it has been started.
+    ///
+    /// # Errors
+    /// The unit does not start: the instance has failed.
     pub(super) fn start_unit(&mut self) -> Outcome {
         if self.now.unit.is_none() {
-            let mut remarks = Vec::new();
-            let started = U::start(&self.now.settings, &self.now.experiment, &mut remarks);
-            self.log_remarks(&remarks);
+            let mut messages = Vec::new();
+            let started = U::start(&self.now.settings, &self.now.experiment, &mut messages);
+            self.log_messages(&messages);
             self.now.unit = Some(started.map_err(CallError::Failed)?);
             self.now.clock = Clock::start(self.now.experiment.start)?;
         }
         Ok(())
     }
 
-    /// A query beyond the standard about the unit in its present state, from initialisation mode on. Remarks are logged; with a warning among
-    /// them the status is a warning.
+    /// A query beyond the standard about the unit in its present state, from initialisation mode
+    /// on. Messages are logged; with a warning among them the status is a warning.
+    ///
+    /// # Errors
+    /// The query has no result, with its reason.
     pub fn query(
         &mut self,
-        query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<String, String>,
+        query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Message>) -> Result<String, String>,
     ) -> Result<(Status, String), CallError> {
         self.allow(Call::Get)?;
         if self.now.state == State::Initialisation {
@@ -138,21 +156,21 @@ impl<U: Unit> Slave<U> {
         let Some(unit) = &mut self.now.unit else {
             return refused("there is no model after a failed start");
         };
-        let mut remarks = Vec::new();
-        let found = query(unit, &self.now.settings, &mut remarks);
-        self.log_remarks(&remarks);
-        let warned = remarks.iter().any(|remark| remark.warning);
+        let mut messages = Vec::new();
+        let found = query(unit, &self.now.settings, &mut messages);
+        self.log_messages(&messages);
+        let warned = messages.iter().any(|message| message.warning);
         let status = if warned { Status::Warning } else { Status::Ok };
         Ok((status, found.map_err(CallError::Refused)?))
     }
 
-    pub(crate) fn log_remarks(&self, remarks: &[Remark]) {
-        for remark in remarks {
-            let (status, category) = match remark.warning {
+    pub(crate) fn log_messages(&self, messages: &[Message]) {
+        for message in messages {
+            let (status, category) = match message.warning {
                 true => (Status::Warning, Category::Warning),
                 false => (Status::Ok, Category::Events),
             };
-            self.log.send(status, category, &self.with_start(&remark.text));
+            self.log.send(status, category, &self.with_start(&message.text));
         }
     }
 

@@ -6,18 +6,20 @@ use crate::table::{Causality, Kind, Table, Value, Variable};
 use crate::unit::{Experiment, Unit};
 use pushbelt_archive::Archive;
 
-/// The whole dynamic state of an instance: [`Slave::save`](super::Slave::save) copies it, [`Slave::restore`](super::Slave::restore)
-/// goes back to it.
+/// The whole dynamic state of an instance: [`FmuInstance::save`](super::FmuInstance::save) copies
+/// it, [`FmuInstance::restore`](super::FmuInstance::restore) goes back to it.
 #[derive(Clone)]
 pub struct Snapshot<U: Unit> {
     pub(super) state: State,
     pub(super) settings: U::Settings,
-    /// Time derivatives of the real inputs for the next step, in the inputs' fields; none if all are zero.
+    /// Time derivatives of the real inputs for the next step, in the inputs' fields; none if all
+    /// are zero.
     pub(super) rates: Option<U::Settings>,
     pub(super) experiment: Experiment,
     /// Communication point at which the next step begins.
     pub(super) clock: Clock,
-    /// Present from the first calculated reading in initialisation mode on. A setting changed in that mode removes it.
+    /// Present from the first calculated reading in initialisation mode on. A setting changed in
+    /// that mode removes it.
     pub(super) unit: Option<U>,
 }
 
@@ -34,6 +36,9 @@ impl<U: Unit> Snapshot<U> {
     }
 
     /// Writes everything to an archive, or reads it from one into a new snapshot.
+    ///
+    /// # Errors
+    /// There is no unit to read the state into, with the reason of [`Unit::blank`].
     pub(super) fn serialize(
         &mut self,
         table: &Table<U::Settings, U::Readings>,

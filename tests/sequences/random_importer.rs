@@ -1,4 +1,4 @@
-//! A master that makes calls. Which calls a state allows, and what is refused, is tested on a toy in `crates/fmi`; here is what a belt alone
+//! An importer that makes calls. Which calls a state allows, and what is refused, is tested on a toy in `crates/fmi`; here is what a belt alone
 //! can show: no call ends in a panic, a refused call has a reason in the log, and all values are numbers.
 
 use std::cell::Cell;
@@ -41,7 +41,7 @@ const BEGIN: Place = Place {
     event: false,
 };
 
-pub struct Master<'a> {
+pub struct RandomImporter<'a> {
     importer: Importer,
     seen: &'a Seen,
     coarse: bool,
@@ -53,7 +53,7 @@ pub struct Master<'a> {
     reals: Vec<(u32, usize)>,
 }
 
-impl Drop for Master<'_> {
+impl Drop for RandomImporter<'_> {
     fn drop(&mut self) {
         (0..SLOTS).for_each(|slot| self.free(slot));
     }
@@ -75,13 +75,18 @@ fn reals(version: Version) -> Vec<(u32, usize)> {
         .collect()
 }
 
-impl<'a> Master<'a> {
-    /// A master of a new instance; `modes`: whether it handles events, early returns and updates, in FMI 3.0.
+impl<'a> RandomImporter<'a> {
+    /// An importer of a new instance; `modes`: whether it handles events, early returns and updates, in FMI 3.0.
     pub fn new(version: Version, seen: &'a Seen, coarse: bool, modes: [bool; 3]) -> Self {
         let [events, early_return, updates] = modes.map(|mode| mode && version == Three);
         let required = ["primary.torque", "primary.speed"].map(reference);
-        let handles: Handles<'_> = (events, early_return, if updates { &required } else { &[] });
-        let mut master = Self {
+        let required: &[u32] = if updates { &required } else { &[] };
+        let handles = Handles {
+            events,
+            early_return,
+            required,
+        };
+        let mut random = Self {
             importer: Importer::handling(version, handles),
             seen,
             coarse,
@@ -91,8 +96,8 @@ impl<'a> Master<'a> {
             outputs: real_outputs(),
             reals: reals(version),
         };
-        master.after_reset();
-        master
+        random.after_reset();
+        random
     }
 
     fn after_reset(&mut self) {
@@ -110,7 +115,7 @@ impl<'a> Master<'a> {
         let messages = self.importer.record.messages.borrow();
         assert!(status <= Status::Error, "{call:?}: {status:?}");
         assert!(status < Status::Error || !messages.is_empty(), "{call:?} has no reason");
-        let panic = messages.iter().find(|(_, _, text)| text.contains("internal error"));
+        let panic = messages.iter().find(|message| message.text.contains("internal error"));
         assert!(panic.is_none(), "{call:?}: {panic:?}");
     }
 
@@ -248,7 +253,7 @@ impl<'a> Master<'a> {
     }
 }
 
-/// The master's action in an update; the time of an early return.
+/// The importer's action in an update; the time of an early return.
 fn update_by(i: &Importer, update: Update, answer: Answer) -> Option<f64> {
     match answer {
         Answer::Nothing => None,

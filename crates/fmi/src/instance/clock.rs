@@ -1,35 +1,43 @@
-//! The time of an instance: that of the master, and that of its unit, which counts from the start of the run.
+//! The time of an instance: that of the importer, and that of its unit, which counts from the start
+//! of the run.
 //!
-//! Doubles near 1.7e9 s are 0.2 µs apart: a unit that counts from its start keeps its digits at any time of the master. Where the
-//! master's times are too coarse for its steps, the unit's time is the sum of these steps.
+//! Doubles near 1.7e9 s are 0.2 µs apart: a unit that counts from its start keeps its digits at any
+//! time of the importer. Where the importer's times are too coarse for its steps, the unit's time
+//! is the sum of these steps.
 
 use super::{CallError, refused};
 use pushbelt_archive::Archive;
 
-/// Latest time and earliest time of a master, s, some three thousand years.
+/// Latest time and earliest time of an importer, s, some three thousand years.
 const LATEST: f64 = 1e11;
-/// A time is known to so many times the rounding of the number: masters reach one point by different sums.
+/// A time is known to so many times the rounding of the number: importers reach one point by
+/// different sums.
 const UNCERTAIN: f64 = 16.0;
-/// Rounding of a master that sums up its steps, as a share of the time.
+/// Rounding of an importer that sums up its steps, as a fraction of the time.
 const ROUNDING_OF_TIME: f64 = 1e-9;
-/// The least difference between two communication points that is taken for rounding, as a share of the step.
+/// The least difference between two communication points that is taken for rounding, as a fraction
+/// of the step.
 const LEAST_ROUNDING: f64 = 1e-6;
-/// The largest difference that is taken for rounding, as a share of the step: results hardly change by it.
+/// The largest difference that is taken for rounding, as a fraction of the step: results hardly
+/// change by it.
 const LARGEST_ROUNDING: f64 = 1e-3;
 
 /// Times at a communication point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Clock {
-    /// Time of the master, by its own sum of steps, s.
+    /// Time of the importer, by its own sum of steps, s.
     pub point: f64,
     /// Time since the start, s.
     pub elapsed: f64,
-    /// Time of the master at the unit's time 0, s.
+    /// Time of the importer at the unit's time 0, s.
     origin: f64,
 }
 
 impl Clock {
-    /// The clock at the start of a run, if the master's time is in range.
+    /// The clock at the start of a run, if the importer's time is in range.
+    ///
+    /// # Errors
+    /// The time is not finite or not in range.
     pub fn start(time: f64) -> Result<Self, CallError> {
         // False for NaN.
         if time.abs() <= LATEST {
@@ -40,12 +48,17 @@ impl Clock {
             });
         }
         refused(format!(
-            "the start time {time:?} s is not from -{LATEST:e} to {LATEST:e} s: later times have no room for steps; is it in seconds?"
+            "the start time {time:?} s is not from -{LATEST:e} to {LATEST:e} s: later times have no room for \
+             steps; is it in seconds?"
         ))
     }
 
-    /// The clock after a step of size `step` from the master's time `current`, s, which is at most `longest`, if it is one forward from this
-    /// point that does not end after the stop time.
+    /// The clock after a step of size `step` from the importer's time `current`, s, which is at
+    /// most `longest`, if it is one forward from this point that does not end after the stop time.
+    ///
+    /// # Errors
+    /// The step does not begin here, is not forward or too long, or ends after the stop time or the
+    /// latest time.
     pub fn after(&self, current: f64, step: f64, longest: f64, stop: Option<f64>) -> Result<Self, CallError> {
         let start = self.point;
         if !(current.is_finite() && step.is_finite() && step > 0.0) {
@@ -84,9 +97,10 @@ impl Clock {
         Ok(clock)
     }
 
-    /// The unit's time at this point, s, reached by a step of size `step`: on a decimal grid of about a millionth of the step. Masters
-    /// reach the same point by different sums, which differ by some 1e-12; a model can amplify that to visible differences.
-    /// On the grid all masters get the same bits.
+    /// The unit's time at this point, s, reached by a step of size `step`: on a decimal grid of
+    /// about a millionth of the step. Importers reach the same point by different sums, which
+    /// differ by some 1e-12; a model can amplify that to visible differences. On the grid all
+    /// importers get the same bits.
     pub fn on_grid(&self, step: f64) -> f64 {
         let time = self.elapsed;
         let digits = -(LEAST_ROUNDING * step).log10().floor();
@@ -100,14 +114,15 @@ impl Clock {
         if count.abs() < exact { count / grid } else { time }
     }
 
-    /// Whether a time of the unit, s, is before this point by more than the rounding of the master's times.
+    /// Whether a time of the unit, s, is before this point by more than the rounding of the
+    /// importer's times.
     pub fn is_after(&self, time: f64) -> bool {
         self.elapsed - time >= UNCERTAIN * f64::EPSILON * self.point.abs().max(self.origin.abs())
     }
 
     /// The clock at a time of the unit before this point, s.
     pub fn back_at(&self, elapsed: f64) -> Self {
-        let point = self.of_master(elapsed);
+        let point = self.importer_time(elapsed);
         Self {
             point,
             elapsed,
@@ -115,13 +130,13 @@ impl Clock {
         }
     }
 
-    /// Time of the master at a time of the unit, s.
-    pub fn of_master(&self, elapsed: f64) -> f64 {
+    /// Time of the importer at a time of the unit, s.
+    pub fn importer_time(&self, elapsed: f64) -> f64 {
         self.origin + elapsed
     }
 
-    /// Time of the unit at a time of the master, s.
-    pub fn of_unit(&self, time: f64) -> f64 {
+    /// Time of the unit at a time of the importer, s.
+    pub fn unit_time(&self, time: f64) -> f64 {
         time - self.origin
     }
 
@@ -149,7 +164,8 @@ impl Clock {
 /// The largest power of ten that a double holds exactly is 10²².
 const EXACT_POWERS_OF_TEN: f64 = 22.0;
 
-/// Whether two times are the same communication point, up to the rounding of a master that sums up its steps.
+/// Whether two times are the same communication point, up to the rounding of an importer that sums
+/// up its steps.
 fn same_time(a: f64, b: f64, step: f64) -> bool {
     let size = a.abs().max(b.abs());
     let rounding = (ROUNDING_OF_TIME * size).clamp(LEAST_ROUNDING * step, LARGEST_ROUNDING * step);

@@ -1,8 +1,9 @@
-//! Calls that change the state of an instance: log, set-up, initialisation, event mode, end; stored states.
+//! Calls that change the state of an instance: log, set-up, initialisation, event mode, end; stored
+//! states.
 
 use super::bytes;
+use super::calls::FmuInstance;
 use super::clock::Clock;
-use super::instance::Slave;
 use super::snapshot::Snapshot;
 use super::{CallError, Outcome, refused};
 use crate::log::Category;
@@ -10,8 +11,11 @@ use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
 use pushbelt_archive::{Archive, Mismatch};
 
-impl<U: Unit> Slave<U> {
+impl<U: Unit> FmuInstance<U> {
     /// Chooses the logged categories by their names; without any, all.
+    ///
+    /// # Errors
+    /// There is no category of a name. Nothing has changed.
     pub fn set_debug_logging(
         &mut self,
         on: bool,
@@ -32,6 +36,10 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
+    /// Sets tolerance, start time and stop time of the run.
+    ///
+    /// # Errors
+    /// A value makes no sense. Nothing has changed.
     pub fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
         self.allow(Call::SetupExperiment)?;
         self.now.experiment = experiment.checked()?;
@@ -39,26 +47,36 @@ impl<U: Unit> Slave<U> {
     }
 
     /// Changes the state by a call that does nothing else.
+    ///
+    /// # Errors
+    /// The state does not allow it.
     pub(crate) fn enter(&mut self, state: State, by: Call) -> Outcome {
         self.allow(by)?;
         self.now.state = state;
         Ok(())
     }
 
-    /// Leaves initialisation mode, for event mode if the master handles events.
+    /// Leaves initialisation mode, for event mode if the importer handles events.
+    ///
+    /// # Errors
+    /// The unit does not start, and the instance has failed.
     pub fn exit_initialization_mode(&mut self) -> Outcome {
         self.allow(Call::ExitInitializationMode)?;
         self.start_unit()?;
-        self.now.state = match self.master.events {
+        self.now.state = match self.importer.events {
             true => State::Event,
             false => State::StepComplete,
         };
         Ok(())
     }
 
+    /// Enters event mode.
+    ///
+    /// # Errors
+    /// Its importer handles no events.
     pub fn enter_event_mode(&mut self) -> Outcome {
         self.allow(Call::EnterEventMode)?;
-        if !self.master.events {
+        if !self.importer.events {
             return refused("the instance was created without event mode (eventModeUsed)");
         }
         self.now.state = State::Event;
@@ -66,6 +84,9 @@ impl<U: Unit> Slave<U> {
     }
 
     /// Returns the instance to its state after instantiation. Allowed in every state.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode.
     pub fn reset(&mut self) -> Outcome {
         self.allow(Call::Always)?;
         self.now = Snapshot::starting_from(self.start.clone());
@@ -73,25 +94,36 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
+    /// A copy of the whole dynamic state.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode.
     pub fn save(&mut self) -> Result<Snapshot<U>, CallError> {
         self.allow(Call::Always)?;
         Ok(self.now.clone())
     }
 
-    /// Goes back to a state, which may come from another instance. The stop time is the one of this instance.
+    /// Goes back to a state, which may come from another instance. The stop time is the one of this
+    /// instance.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode.
     pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Outcome {
         self.allow(Call::Always)?;
         let stop = self.now.experiment.stop;
         self.now = snapshot.clone();
         self.now.experiment.stop = stop;
-        // The state may come from an instance whose master handles events.
-        if self.now.state == State::Event && !self.master.events {
+        // The state may come from an instance whose importer handles events.
+        if self.now.state == State::Event && !self.importer.events {
             self.now.state = State::StepComplete;
         }
         Ok(())
     }
 
     /// A state as bytes.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode, or there is no memory for the bytes.
     pub fn serialize(&mut self, snapshot: &Snapshot<U>) -> Result<Vec<u8>, CallError> {
         self.allow(Call::Always)?;
         let mut archive = Archive::writer();
@@ -101,6 +133,10 @@ impl<U: Unit> Slave<U> {
     }
 
     /// The state in these bytes.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode; the bytes are incomplete, damaged, or of
+    /// another FMU; or a value in them is out of range. Nothing has changed.
     pub fn deserialize(&mut self, sealed: &[u8]) -> Result<Snapshot<U>, CallError> {
         self.allow(Call::Always)?;
         let content = bytes::open(self.guid(), sealed).map_err(CallError::Refused)?;
@@ -116,7 +152,8 @@ impl<U: Unit> Slave<U> {
             && !snapshot.clock.agrees_with(unit.time(), U::IDENTITY.longest_step)
         {
             return refused(format!(
-                "the stored state has a time of the model, {} s since the start, that is not its communication point's",
+                "the stored state has a time of the model, {} s since the start, that is not its \
+                 communication point's",
                 unit.time()
             ));
         }
@@ -125,7 +162,12 @@ impl<U: Unit> Slave<U> {
 }
 
 impl Experiment {
-    /// The experiment, if its values are valid. An infinite stop time, which importers of Simulink pass, is none.
+    /// The experiment, if its values are valid. An infinite stop time, which importers of Simulink
+    /// pass, is none.
+    ///
+    /// # Errors
+    /// A time or the tolerance is not finite or out of range, or the stop time is before the start
+    /// time.
     pub(crate) fn checked(mut self) -> Result<Self, CallError> {
         self.stop = self.stop.filter(|stop| *stop != f64::INFINITY);
         let Self { tolerance, start, stop } = self;

@@ -1,6 +1,8 @@
 //! Derivatives of inputs and outputs with respect to time.
 
-use super::instance::Slave;
+use std::mem::MaybeUninit;
+
+use super::calls::FmuInstance;
 use super::snapshot::zero_rates;
 use super::values::{Type, check_count, find};
 use super::{Outcome, refused};
@@ -8,9 +10,13 @@ use crate::state::Call;
 use crate::table::{Causality, Value, Variable, not_finite};
 use crate::unit::Unit;
 
-impl<U: Unit> Slave<U> {
-    /// Sets derivatives of inputs, in FMI 2.0: the inputs change in proportion to time during the next step, and are held
-    /// after it. Either all derivatives are set or none.
+impl<U: Unit> FmuInstance<U> {
+    /// Sets derivatives of inputs, in FMI 2.0: the inputs change in proportion to time during the
+    /// next step, and are held after it. Either all derivatives are set or none.
+    ///
+    /// # Errors
+    /// The unit holds its inputs, a variable is no real input, an order is not 1, or a value is not
+    /// finite.
     pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
         self.allow(Call::Set)?;
         if !U::INTERPOLATES_INPUTS {
@@ -32,7 +38,16 @@ impl<U: Unit> Slave<U> {
     }
 
     /// Time derivatives of outputs at the present time.
-    pub fn get_output_derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Outcome {
+    ///
+    /// # Errors
+    /// The unit has no derivatives, a variable is no real output or an element of an array, an
+    /// order is not 1, or the number of values is wrong.
+    pub fn get_output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &mut [MaybeUninit<f64>],
+    ) -> Outcome {
         self.allow(Call::GetOutputDerivatives)?;
         self.allow_intermediate(references)?;
         check_count(references.len(), values.len(), references.len())?;
@@ -63,7 +78,7 @@ impl<U: Unit> Slave<U> {
                     .and_then(Value::number)
             };
             let [before, after] = moment.each_ref().map(|at| read(at).unwrap_or(f64::NAN));
-            *value = (after - before) / span;
+            value.write((after - before) / span);
         }
         Ok(())
     }
