@@ -493,7 +493,7 @@ impl Run {
         archive.counter(&mut self.steps);
         archive.reals(&mut self.sums);
         for value in [&mut self.count, &mut self.energy] {
-            archive.any(value);
+            archive.any_real(value);
         }
         archive.reals(&mut self.extremes);
         archive.reals(&mut self.before.0);
