@@ -1,5 +1,6 @@
 //! A case: a belt in a steady state, held at a ratio under a force of the secondary pulley and a share of the torque of full slip.
 
+use crate::belt::Vector;
 use crate::law::{Law, Options};
 use crate::machine::Machine;
 use crate::pulleys::{Cone, Shaft};
@@ -11,22 +12,14 @@ use pushbelt::variator::settings::{ParameterError, Parameters};
 pub struct Case {
     /// Its name, of files too.
     pub name: String,
-    /// Parameters of the FMU.
-    pub parameters: Parameters,
-    /// What this model has beside them.
-    pub options: Options,
     /// Geometric ratio r_S/r_P that the primary cone holds.
     pub ratio: f64,
-    /// Ratio at the start; `None`: the same.
-    pub start_ratio: Option<f64>,
-    /// Closing force of the secondary cone, N.
-    pub force: f64,
     /// Torque of the load over that of full slip, 2 μ F r_S/cos β.
     pub share: f64,
-    /// Speed of the primary shaft, rad/s.
-    pub speed: f64,
-    /// Duration, s, whose last quarter is the result; `None`: 0.3 s, or 0.5 s at both end ratios or below 100 rad/s.
-    pub duration: Option<f64>,
+    /// Parameters of the FMU.
+    pub parameters: Parameters,
+    /// Loads, and what this model has beside the parameters.
+    pub options: Options,
 }
 
 /// Names of ratios.
@@ -55,26 +48,17 @@ impl Case {
     /// # Errors
     /// The name is none of these.
     pub fn named(name: &str) -> Result<Self, ParameterError> {
-        let error = || {
-            ParameterError::new(
-                "CASE",
-                name,
-                "RATIO-SHARE, as medium-0.4; ratios: low, under, medium, over, od or a number",
-            )
-        };
+        let range = "RATIO-SHARE, as medium-0.4; ratios: low, under, medium, over, od or a number";
+        let error = || ParameterError::new("CASE", name, range);
         let (ratio, share) = name.split_once('-').ok_or_else(error)?;
         let known = RATIOS.iter().find(|(word, _)| *word == ratio).map(|(_, value)| *value);
         let ratio = known.or_else(|| ratio.parse().ok()).ok_or_else(error)?;
         Ok(Self {
             name: name.to_owned(),
+            ratio,
+            share: share.parse().map_err(|_| error())?,
             parameters: Parameters::default(),
             options: Options::default(),
-            ratio,
-            start_ratio: None,
-            force: 15.0e3,
-            share: share.parse().map_err(|_| error())?,
-            speed: 209.0,
-            duration: None,
         })
     }
 
@@ -83,16 +67,17 @@ impl Case {
     /// # Errors
     /// A value is out of its range.
     pub fn check(&self) -> Result<(), ParameterError> {
+        let of = &self.options;
         for (name, value, [least, most]) in [
-            ("force", self.force, [100.0, 2.0e5]),
+            ("force", of.force, [100.0, 2.0e5]),
             ("share", self.share, [-MOST, MOST]),
-            ("speed", self.speed, [1.0, 2.0e3]),
+            ("speed", of.speed, [1.0, 2.0e3]),
             ("duration", self.duration(), [1.0e-4, 100.0]),
             ("step", self.step(), [1.0e-9, 1.0e-4]),
-            ("contact-threshold", self.options.contact_threshold, [0.0, 1.0e3]),
-            ("curvature-damping", self.options.curvature_damping, [0.0, 1.0]),
-            ("film", self.options.oil.floor, [1.0e-9, 1.0e-3]),
-            ("squeeze", self.options.oil.constant, [0.0, 1.0]),
+            ("contact-threshold", of.contact_threshold, [0.0, 1.0e3]),
+            ("curvature-damping", of.curvature_damping, [0.0, 1.0]),
+            ("film", of.film, [1.0e-9, 1.0e-3]),
+            ("squeeze", of.squeeze, [0.0, 1.0e5]),
         ] {
             if !(least..=most).contains(&value) {
                 return Err(ParameterError::new(name, value, format!("{least} to {most}")));
@@ -108,33 +93,29 @@ impl Case {
     }
 
     fn started(&self) -> f64 {
-        self.start_ratio.unwrap_or(self.ratio)
+        self.options.start_ratio.unwrap_or(self.ratio)
     }
 
     /// Duration, s.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        let slow = !(0.6..=1.6).contains(&self.ratio) || self.speed < 100.0;
-        self.duration.unwrap_or(if slow { 0.5 } else { 0.3 })
+        let slow = !(0.6..=1.6).contains(&self.ratio) || self.options.speed < 100.0;
+        self.options.duration.unwrap_or(if slow { 0.5 } else { 0.3 })
     }
 
     /// Time step, s.
     #[must_use]
     pub fn step(&self) -> f64 {
-        self.options
-            .step
-            .unwrap_or(STEP * STEP_SPEED / self.speed.max(0.5 * STEP_SPEED))
+        let usual = STEP * STEP_SPEED / self.options.speed.max(0.5 * STEP_SPEED);
+        self.options.step.unwrap_or(usual)
     }
 
     /// Torque of the load on the secondary shaft, N·m.
     #[must_use]
     pub fn torque(&self) -> f64 {
-        let radius = self
-            .parameters
-            .pitch_radii(self.ratio)
-            .map_or(f64::NAN, |(_, secondary)| secondary);
-        let cos_beta = self.parameters.geometry.wedge_angle.cos();
-        self.share * full_slip_torque(&self.parameters.friction, cos_beta, self.force, radius)
+        let (of, cos_beta) = (&self.parameters, self.parameters.geometry.wedge_angle.cos());
+        let radius = of.pitch_radii(self.ratio).map_or(f64::NAN, |(_, secondary)| secondary);
+        self.share * full_slip_torque(&of.friction, cos_beta, self.options.force, radius)
     }
 
     /// The unloaded machine at the start: elements with even gaps around arcs and strands, which turn without slip.
@@ -149,13 +130,13 @@ impl Case {
         let (primary, secondary) = self.parameters.pitch_radii(ratio).ok_or_else(no_belt)?;
         let path = Path::new(law.axes[1], [secondary, primary]);
         let n = law.count;
-        let points: Vec<_> = (0..n).map(|i| path.at(i as f64 / n as f64 * path.length())).collect();
+        let points = (0..n).map(|i| path.at(i as f64 / n as f64 * path.length()));
         let (r0, tan_beta) = (law.r0, law.wedge[2]);
-        let ring_over_pitch = law.ring.length / path.length();
-        let mut machine = Machine::new(law, self.parameters.clone(), self.step(), &points);
-        let speed = self.speed * primary;
-        machine.v.fill(speed);
-        machine.w.fill(speed * ring_over_pitch);
+        let ring_over_pitch = self.parameters.geometry.belt_length / path.length();
+        let mut machine = Machine::new(law, self.step(), points);
+        let speed = self.options.speed * primary;
+        machine.belt.v.fill(speed.into());
+        machine.belt.w.fill(speed * ring_over_pitch);
         for (pulley, radius) in machine.pulleys.iter_mut().zip([secondary, primary]) {
             pulley.omega = speed / radius;
             pulley.z = 2.0 * (radius - r0) * tan_beta;
@@ -168,19 +149,16 @@ impl Case {
     /// 20 1/s of the error of r_P.
     pub fn drive(&self, machine: &mut Machine) {
         let rise = |over: f64| (0.1 + machine.time / over).min(1.0);
-        let loads = &machine.loads;
-        let radius = |j: usize| loads[j].weight[1] / loads[j].weight[0];
-        let speed = if loads.iter().all(|load| load.weight[0] > 0.0) {
-            let excess = (radius(0) / radius(1) / self.ratio).ln();
-            RATIO_RATE * machine.law.wedge[2] * radius(1) * excess
+        let [secondary, primary] = machine.loads.map(|load| load.weight[1] / load.weight[0]);
+        let speed = if machine.loads.iter().all(|load| load.weight[0] > 0.0) {
+            RATIO_RATE * machine.law.wedge[2] * primary * (secondary / primary / self.ratio).ln()
         } else {
             0.0
         };
+        let torque = -self.torque() * rise(TORQUE_RISE);
+        let force = self.options.force * rise(FORCE_RISE);
         machine.drive = [
-            (
-                Shaft::Torque(-self.torque() * rise(TORQUE_RISE)),
-                Cone::Force(self.force * rise(FORCE_RISE)),
-            ),
+            (Shaft::Torque(torque), Cone::Force(force)),
             (Shaft::Speed, Cone::Speed(speed)),
         ];
     }
@@ -190,7 +168,8 @@ impl Case {
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
     distance: f64,
-    radii: [f64; 2],
+    /// Radii of S and P, m.
+    pub radii: [f64; 2],
     /// Half of the wrap of S, rad.
     phi: f64,
     strand: f64,
@@ -209,12 +188,6 @@ impl Path {
         }
     }
 
-    /// Radii of S and P, m.
-    #[must_use]
-    pub fn radii(&self) -> [f64; 2] {
-        self.radii
-    }
-
     /// Wrap angles of S and P, rad.
     #[must_use]
     pub fn wraps(&self) -> [f64; 2] {
@@ -230,41 +203,38 @@ impl Path {
 
     /// The point at the place `xi`, m, from 0 to the length.
     #[must_use]
-    pub fn at(&self, xi: f64) -> [f64; 2] {
+    pub fn at(&self, xi: f64) -> Vector {
         let half = 0.5 * self.length();
         if xi > half {
-            let [x, y] = self.at(2.0 * half - xi);
-            return [x, -y];
+            return self.at(2.0 * half - xi).conj();
         }
         let [s, p] = self.radii;
-        let (sin, cos) = self.phi.sin_cos();
         let behind = xi - s * self.phi;
         if behind <= 0.0 {
             let angle = xi / s;
-            [-s * angle.cos(), s * angle.sin()]
+            Vector::new(-s * angle.cos(), s * angle.sin())
         } else if behind <= self.strand {
-            [-s * cos + behind * sin, s * sin + behind * cos]
+            let (sin, cos) = self.phi.sin_cos();
+            Vector::new(-s * cos + behind * sin, s * sin + behind * cos)
         } else {
             let angle = self.phi + (behind - self.strand) / p;
-            [self.distance - p * angle.cos(), p * angle.sin()]
+            Vector::new(self.distance - p * angle.cos(), p * angle.sin())
         }
     }
 
     /// The place ξ of a point near the line, m.
     #[must_use]
-    pub fn place(&self, [x, y]: [f64; 2]) -> f64 {
+    pub fn place(&self, Vector { re: x, im: y }: Vector) -> f64 {
         let [s, p] = self.radii;
-        // Angles from the leftward direction, clockwise, of the upper half.
-        let angle_s = y.abs().atan2(-x);
-        let angle_p = y.abs().atan2(self.distance - x);
         let (sin, cos) = self.phi.sin_cos();
         let along = (x + s * cos) * sin + (y.abs() - s * sin) * cos;
+        // Angles from the leftward direction, clockwise, of the upper half.
         let upper = if along <= 0.0 {
-            s * angle_s
+            s * y.abs().atan2(-x)
         } else if along <= self.strand {
             s * self.phi + along
         } else {
-            s * self.phi + self.strand + p * (angle_p - self.phi)
+            s * self.phi + self.strand + p * (y.abs().atan2(self.distance - x) - self.phi)
         };
         if y < 0.0 { self.length() - upper } else { upper }
     }

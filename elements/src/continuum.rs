@@ -47,14 +47,14 @@ fn steady(case: &Case, ring: RingModel, mesh: i32) -> Result<Outputs, String> {
     of.ring_model = ring;
     of.mesh = of.mesh.refined(mesh);
     (of.layers.friction, of.belt.element_inertia, of.belt.film_damping) = (0.0, 0.0, 0.0);
-    of.belt.film_thickness = case.options.oil.floor;
-    of.belt.squeeze_damping = case.options.oil.constant * of.belt.element_thickness / case.options.oil.floor.powi(3);
+    of.belt.film_thickness = case.options.film;
+    of.belt.squeeze_damping = case.options.squeeze;
     (of.primary.drive, of.primary.axial) = (Drive::Speed, Axial::Held);
-    of.initial.primary_speed = case.speed;
+    of.initial.primary_speed = case.options.speed;
     let mut inputs = Inputs::ZERO;
-    inputs.primary.speed_setpoint = case.speed;
-    inputs.primary.clamping_force = case.force;
-    (inputs.secondary.torque, inputs.secondary.clamping_force) = (-case.torque(), case.force);
+    inputs.primary.speed_setpoint = case.options.speed;
+    inputs.primary.clamping_force = case.options.force;
+    (inputs.secondary.torque, inputs.secondary.clamping_force) = (-case.torque(), case.options.force);
     // The start's ratio is that of a point of the curve; the one to meet is that of the mean radii.
     of.initial.ratio = case.ratio;
     for _ in 0..TRIALS {

@@ -12,7 +12,7 @@
 //! In a step N is linear in ġ, with its damping, and friction is −c (v_t, v_f) with the secant c of the step before. What belt
 //! and pulley get are the forces at the speeds after the step.
 
-use crate::frames::Frames;
+use crate::belt::{Belt, Vector};
 use crate::law::Law;
 use crate::pulleys::Pulley;
 use pushbelt::contact::{FlankMotion, flank_force};
@@ -30,9 +30,9 @@ struct Touch {
     element: usize,
     pulley: usize,
     /// e_r·t and e_r·o.
-    turned: [f64; 2],
+    turned: Vector,
     /// cos θ, sin θ.
-    around: [f64; 2],
+    around: Vector,
     rho: f64,
     /// tan β + ∂w/∂ϱ, ∂w/∂θ/ϱ.
     slopes: [f64; 2],
@@ -56,11 +56,11 @@ pub struct Load {
     /// Torque, N·m.
     pub torque: f64,
     /// Moment on a sheave, N·m.
-    pub tilting: [f64; 2],
+    pub tilting: Vector,
     /// Its fall with ψ̇ in the step: xx, xy, yy, N·m·s.
     pub resistance: [f64; 3],
     /// Resultant on the belt, N.
-    pub resultant: [f64; 2],
+    pub resultant: Vector,
     /// Sum of the normal forces of a flank, N, and of them times ϱ, N·m.
     pub weight: [f64; 2],
     /// Power of friction, W.
@@ -69,47 +69,35 @@ pub struct Load {
     pub viscous: f64,
 }
 
+/// Force of an element on its flanks.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Flank {
+    /// Along t and o, N.
+    pub force: Vector,
+    /// Its fall with V and U: tt, to, oo, N·s/m.
+    pub slope: [f64; 3],
+    /// Normal force of a flank, N.
+    pub normal: f64,
+    /// Sliding speed, m/s.
+    pub sliding: f64,
+}
+
 /// Forces of the flanks.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Flanks {
     touches: Vec<Touch>,
-    /// Forces of an element along t and o, N.
-    pub along: Vec<f64>,
-    /// Along o.
-    pub across: Vec<f64>,
-    /// Their fall with V and U: tt, to, oo, N·s/m.
-    pub slope: Vec<[f64; 3]>,
-    /// Normal force of a flank, N, and sliding speed, m/s.
-    pub normal: Vec<f64>,
-    /// Sliding speed, m/s.
-    pub sliding: Vec<f64>,
+    /// Of each element.
+    pub of: Vec<Flank>,
 }
 
 impl Flanks {
-    /// For `n` elements.
-    #[must_use]
-    pub fn new(n: usize) -> Self {
-        let zero = || vec![0.0; n + 2];
-        Self {
-            touches: Vec::with_capacity(n),
-            along: zero(),
-            across: zero(),
-            slope: vec![[0.0; 3]; n + 2],
-            normal: zero(),
-            sliding: zero(),
-        }
-    }
-
     /// The law at these places and speeds.
-    pub fn evaluate(&mut self, law: &Law, pulleys: &[Pulley; 2], frames: &Frames, [x, y, v, u]: [&[f64]; 4]) {
-        for touch in &self.touches {
-            let i = touch.element;
-            (self.along[i], self.across[i], self.slope[i]) = (0.0, 0.0, [0.0; 3]);
-            (self.normal[i], self.sliding[i]) = (0.0, 0.0);
-        }
+    pub fn evaluate(&mut self, law: &Law, pulleys: &[Pulley; 2], belt: &Belt) {
+        self.of.clear();
+        self.of.resize(law.count + 2, Flank::default());
         self.touches.clear();
-        self.find(law, pulleys, frames, [x, y, v, u]);
-        let cos_beta = law.wedge[1];
+        self.find(law, pulleys, belt);
+        let (contact, friction, cos_beta) = (&law.parameters.contact, &law.parameters.friction, law.wedge[1]);
         for pack in self.touches.chunks_mut(LANES) {
             let last = pack.len() - 1;
             let motions: [_; LANES] = std::array::from_fn(|k| pack[k.min(last)].motion);
@@ -120,50 +108,51 @@ impl Flanks {
                 tangential: Lanes::new(motions.map(|m| m.tangential)),
                 along_flank: Lanes::new(motions.map(|m| m.along_flank)),
             };
-            let force = flank_force(&law.unit_damped, &law.friction, cos_beta, &motion);
+            let force = flank_force(&law.unit_damped, friction, cos_beta, &motion);
             let square = motion.tangential * motion.tangential + motion.along_flank * motion.along_flank;
-            let at_rest =
-                force.depth * (law.contact.stiffness * cos_beta * law.friction.pulley / law.friction.velocity);
+            let at_rest = force.depth * (contact.stiffness * cos_beta * friction.pulley / friction.velocity);
             let power = force.tangential * motion.tangential + force.along_flank * motion.along_flank;
             let moving = -power * (square + f64::MIN_POSITIVE).recip();
             let drag = (square - AT_REST * AT_REST).if_positive(moving, at_rest) * law.thickness;
-            let elastic = force.depth * (law.contact.stiffness * cos_beta * law.thickness);
+            let elastic = force.depth * (contact.stiffness * cos_beta * law.thickness);
             let stiffness = force.viscous * law.thickness;
             let sliding = square.sqrt().to_array();
             let [drag, elastic, stiffness] = [drag, elastic, stiffness].map(Lanes::to_array);
             for (k, touch) in pack.iter_mut().enumerate() {
                 (touch.drag, touch.elastic, touch.stiffness) = (drag[k], elastic[k], stiffness[k]);
-                touch.damping = stiffness[k] * law.contact.damping;
-                let i = touch.element;
-                self.slope[i] = touch.fall(cos_beta);
-                ([self.along[i], self.across[i]], _) = touch.forces(law, &touch.motion);
-                (self.normal[i], self.sliding[i]) = (elastic[k], sliding[k]);
+                touch.damping = stiffness[k] * contact.damping;
+                self.of[touch.element] = Flank {
+                    force: touch.forces(cos_beta, &touch.motion).0,
+                    slope: touch.fall(cos_beta),
+                    normal: elastic[k],
+                    sliding: sliding[k],
+                };
             }
         }
     }
 
     /// The elements that touch, and how they move on their sheaves.
-    fn find(&mut self, law: &Law, pulleys: &[Pulley; 2], frames: &Frames, [x, y, v, u]: [&[f64]; 4]) {
+    fn find(&mut self, law: &Law, pulleys: &[Pulley; 2], belt: &Belt) {
         let [sin_beta, cos_beta, tan_beta] = law.wedge;
         let middle = 0.5 * (law.axes[0] + law.axes[1]);
-        let apart = -APART * law.contact.roughness;
+        let apart = -APART * law.unit_damped.roughness;
         // Pitch radii beyond which nothing touches.
-        let reach = [0, 1].map(|j| {
-            let p = &pulleys[j];
+        let reach = pulleys.map(|p| {
             let widest = tan_beta - p.tilt[0].hypot(p.tilt[1]);
             (0.5 * p.z + law.r0 * tan_beta - apart) / widest
         });
-        for i in 1..=law.count {
-            let j = usize::from(x[i] > middle);
+        for (i, place) in belt.p.iter().enumerate().take(law.count + 1).skip(1) {
+            let j = usize::from(place.re > middle);
             let p = &pulleys[j];
-            let arm = x[i] - law.axes[j];
-            let square = arm * arm + y[i] * y[i];
+            let arm = place - law.axes[j];
+            let square = arm.norm_sqr();
             if square > reach[j] * reach[j] {
                 continue;
             }
             let inverse = 1.0 / square.sqrt();
             let rho = square * inverse;
-            let (cos, sin) = (arm * inverse, -y[i] * inverse);
+            let around = (arm * inverse).conj();
+            let (cos, sin) = (around.re, around.im);
             let opening = p.tilt[0] * cos + p.tilt[1] * sin;
             let penetration = 0.5 * p.z - (rho - law.r0) * tan_beta - rho * opening;
             if penetration < apart {
@@ -171,10 +160,9 @@ impl Flanks {
             }
             let slope = p.tilt[1] * cos - p.tilt[0] * sin;
             let surface = 0.5 * p.z_dot - rho * (p.tilt_rate[0] * cos + p.tilt_rate[1] * sin);
-            let (tx, ty) = (frames.tx[i], frames.ty[i]);
-            let turned = [tx * cos - ty * sin, -ty * cos - tx * sin];
+            let turned = (belt.t[i] * around).conj();
             let slopes = [tan_beta + opening, slope];
-            let (v_r, v_t) = polar(turned, [v[i], u[i]]);
+            let Vector { re: v_r, im: v_t } = polar(turned, belt.v[i]);
             let motion = FlankMotion {
                 penetration,
                 closing: surface - slopes[0] * v_r - slope * v_t,
@@ -185,7 +173,7 @@ impl Flanks {
                 element: i,
                 pulley: j,
                 turned,
-                around: [cos, sin],
+                around,
                 rho,
                 slopes,
                 motion,
@@ -194,36 +182,26 @@ impl Flanks {
         }
     }
 
-    /// What the pulleys get after the speeds have changed by `dv`, `du`.
-    pub fn loads(&self, law: &Law, dt: f64, [dv, du]: [&[f64]; 2]) -> [Load; 2] {
+    /// What the pulleys get after the speeds have changed by `change`.
+    pub fn loads(&self, law: &Law, dt: f64, change: &[Vector]) -> [Load; 2] {
         let [sin_beta, cos_beta, _] = law.wedge;
         let mut loads = [Load::default(); 2];
         for touch in &self.touches {
-            let (r, t) = polar(touch.turned, [dv[touch.element], du[touch.element]]);
-            let motion = FlankMotion {
-                closing: touch.motion.closing - touch.slopes[0] * r - touch.slopes[1] * t,
-                tangential: touch.motion.tangential + t,
-                along_flank: touch.motion.along_flank + r * cos_beta,
-                ..touch.motion
-            };
-            let ([along, across], [normal, tangential, flank]) = touch.forces(law, &motion);
-            let load = &mut loads[touch.pulley];
-            let [cos, sin] = touch.around;
+            let motion = touch.moved(cos_beta, change[touch.element]);
+            let (force, [normal, tangential, flank]) = touch.forces(cos_beta, &motion);
+            let (load, around) = (&mut loads[touch.pulley], touch.around);
             let axial = normal * cos_beta - flank * sin_beta;
-            let moment = axial * touch.rho;
             load.axial += axial;
             load.torque -= 2.0 * touch.rho * (tangential + flank * sin_beta * touch.slopes[1]);
-            load.tilting[0] += moment * cos;
-            load.tilting[1] += moment * sin;
+            load.tilting += around * (axial * touch.rho);
             let stiff = (touch.damping + touch.stiffness * dt) * cos_beta + touch.drag * sin_beta * sin_beta;
             let stiff = stiff * touch.rho * touch.rho;
-            for (sum, part) in load.resistance.iter_mut().zip([cos * cos, cos * sin, sin * sin]) {
+            let squares = [around.re * around.re, around.re * around.im, around.im * around.im];
+            for (sum, part) in load.resistance.iter_mut().zip(squares) {
                 *sum += stiff * part;
             }
-            // Polar forces, and from them x and y: e_r = (cos θ, −sin θ), e_t = (−sin θ, −cos θ).
-            let (radial, around) = polar(touch.turned, [along, across]);
-            load.resultant[0] += radial * cos - around * sin;
-            load.resultant[1] -= radial * sin + around * cos;
+            // e_r = (cos θ, −sin θ), e_t = (−sin θ, −cos θ).
+            load.resultant += (polar(touch.turned, force) * around).conj();
             load.weight[0] += touch.elastic;
             load.weight[1] += touch.elastic * touch.rho;
             load.friction -= 2.0 * (tangential * motion.tangential + flank * motion.along_flank);
@@ -240,11 +218,23 @@ impl Flanks {
 
 /// Components along e_r and e_t of a vector with components along t and o; the same function leads back.
 #[inline(always)]
-fn polar([s, c]: [f64; 2], [t, o]: [f64; 2]) -> (f64, f64) {
-    (t * s + o * c, t * c - o * s)
+fn polar(turned: Vector, vector: Vector) -> Vector {
+    vector.conj() * turned
 }
 
 impl Touch {
+    /// The motion after the element's speeds have changed.
+    #[inline(always)]
+    fn moved(&self, cos_beta: f64, change: Vector) -> FlankMotion<f64> {
+        let Vector { re: r, im: t } = polar(self.turned, change);
+        FlankMotion {
+            closing: self.motion.closing - self.slopes[0] * r - self.slopes[1] * t,
+            tangential: self.motion.tangential + t,
+            along_flank: self.motion.along_flank + r * cos_beta,
+            ..self.motion
+        }
+    }
+
     /// Fall of the forces along t and o with the speeds: tt, to, oo, N·s/m.
     #[inline(always)]
     fn fall(&self, cos_beta: f64) -> [f64; 3] {
@@ -253,7 +243,7 @@ impl Touch {
         let rr = damped * radial * radial + 2.0 * self.drag * cos_beta * cos_beta;
         let rt = damped * radial * around;
         let tt = damped * around * around + 2.0 * self.drag;
-        let [s, c] = self.turned;
+        let Vector { re: s, im: c } = self.turned;
         [
             rr * s * s + 2.0 * rt * s * c + tt * c * c,
             (rr - tt) * s * c + rt * (c * c - s * s),
@@ -263,55 +253,44 @@ impl Touch {
 
     /// Forces along t and o, N; and N, f_t, f_f of a flank.
     #[inline(always)]
-    fn forces(&self, law: &Law, motion: &FlankMotion<f64>) -> ([f64; 2], [f64; 3]) {
-        let cos_beta = law.wedge[1];
+    fn forces(&self, cos_beta: f64, motion: &FlankMotion<f64>) -> (Vector, [f64; 3]) {
         let normal = self.elastic + self.damping * motion.closing;
         let (tangential, flank) = (-self.drag * motion.tangential, -self.drag * motion.along_flank);
         let radial = 2.0 * cos_beta * (normal * self.slopes[0] + flank);
         let around = 2.0 * (normal * cos_beta * self.slopes[1] + tangential);
-        let [s, c] = self.turned;
-        (
-            [radial * s + around * c, radial * c - around * s],
-            [normal, tangential, flank],
-        )
+        let force = polar(self.turned, Vector::new(radial, around));
+        (force, [normal, tangential, flank])
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::Options;
-    use pushbelt::variator::settings::Parameters;
 
     /// The forces of a step are linear in the speeds, with the secant of friction.
     #[test]
     fn falls_of_forces_are_differences() {
-        let law = Law::new(&Parameters::default(), &Options::default()).unwrap();
-        let cos_beta = law.wedge[1];
+        let cos_beta = 0.98;
         let touch = Touch {
-            turned: [0.3, (1.0_f64 - 0.09).sqrt()],
+            turned: Vector::new(0.3, (1.0_f64 - 0.09).sqrt()),
             slopes: [0.2, -0.03],
+            motion: FlankMotion {
+                penetration: 1.0e-6,
+                closing: 0.01,
+                tangential: 0.02,
+                along_flank: -0.01,
+            },
             elastic: 70.0,
             stiffness: 9.0e7,
             damping: 270.0,
             drag: 1500.0,
             ..Touch::default()
         };
-        let force = |dv: f64, du: f64| {
-            let (r, t) = polar(touch.turned, [dv, du]);
-            let motion = FlankMotion {
-                penetration: 1.0e-6,
-                closing: 0.01 - touch.slopes[0] * r - touch.slopes[1] * t,
-                tangential: 0.02 + t,
-                along_flank: -0.01 + r * cos_beta,
-            };
-            touch.forces(&law, &motion).0
-        };
+        let force = |change: Vector| touch.forces(cos_beta, &touch.moved(cos_beta, change)).0;
         let [tt, to, oo] = touch.fall(cos_beta);
-        let d = 1.0e-3;
-        for (column, expected) in [((d, 0.0), [tt, to]), ((0.0, d), [to, oo])] {
-            for (k, expected) in expected.into_iter().enumerate() {
-                let found = (force(-column.0, -column.1)[k] - force(column.0, column.1)[k]) / (2.0 * d);
+        for (change, expected) in [(1.0e-3.into(), [tt, to]), (Vector::new(0.0, 1.0e-3), [to, oo])] {
+            let found = (force(-change) - force(change)) / 2.0e-3;
+            for (found, expected) in [found.re, found.im].into_iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-6 * tt, "{found} {expected}");
             }
         }

@@ -7,8 +7,8 @@ use pushbelt::fmi::table::{Kind, Value};
 use pushbelt::variator::settings::parameters;
 use pushbelt_archive::Archive;
 use pushbelt_elements::case::Case;
+use pushbelt_elements::law::Options;
 use pushbelt_elements::run::{Run, header};
-use pushbelt_elements::stack::Oil;
 use std::fs;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -31,36 +31,8 @@ struct Arguments {
     /// The file of the lines, a line a case; a line of the same case and settings is replaced
     #[arg(long)]
     results: Option<PathBuf>,
-    /// Closing force of the secondary pulley, N
-    #[arg(long, default_value_t = 15.0e3)]
-    force: f64,
-    /// Speed of the primary pulley, rad/s
-    #[arg(long, default_value_t = 209.0)]
-    speed: f64,
-    /// Ratio at the start [default: that of the case]
-    #[arg(long)]
-    start_ratio: Option<f64>,
-    /// Duration, s, whose last quarter is the result [default: 0.3, at both end ratios or below 100 rad/s 0.5]
-    #[arg(long)]
-    duration: Option<f64>,
-    /// Time step, s [default: 2e-6 at a primary speed of 200 rad/s, in proportion to 1/speed, at most 4e-6]
-    #[arg(long)]
-    step: Option<f64>,
-    /// Oil: distance of rough faces in contact, m
-    #[arg(long, default_value_t = 6.0e-6)]
-    film: f64,
-    /// Oil: force per rate of strain at zero gap, N·s
-    #[arg(long, default_value_t = 75.0)]
-    squeeze: f64,
-    /// Lever of the ring's friction, m [default: that of the innermost layer]
-    #[arg(long)]
-    lever: Option<f64>,
-    /// Contact force of ring and element up to which it has no friction, N
-    #[arg(long, default_value_t = 0.0)]
-    contact_threshold: f64,
-    /// Damping time of the ring's curvature, s
-    #[arg(long, default_value_t = 2.0e-5)]
-    curvature_damping: f64,
+    #[command(flatten)]
+    options: Options,
     /// A parameter of the FMU, as belt.play=4e-4
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
@@ -102,8 +74,7 @@ fn case(arguments: &Arguments, name: &str) -> Result<Case, String> {
     if let Some(label) = &arguments.label {
         case.name = format!("{name}-{label}");
     }
-    (case.force, case.speed, case.duration) = (arguments.force, arguments.speed, arguments.duration);
-    case.start_ratio = arguments.start_ratio;
+    case.options = arguments.options.clone();
     for setting in &arguments.settings {
         let (name, value) = setting
             .split_once('=')
@@ -120,11 +91,6 @@ fn case(arguments: &Arguments, name: &str) -> Result<Case, String> {
         let given = given.ok_or_else(|| format!("--set {setting}: {value} is no value of {name}"))?;
         variable.set(&mut case.parameters, given)?;
     }
-    let belt = &case.parameters.belt;
-    case.options.oil = Oil::of_squeeze(arguments.squeeze, arguments.film, belt.element_thickness, belt.suction);
-    (case.options.lever, case.options.step) = (arguments.lever, arguments.step);
-    case.options.contact_threshold = arguments.contact_threshold;
-    case.options.curvature_damping = arguments.curvature_damping;
     Ok(case)
 }
 
@@ -176,8 +142,8 @@ fn one(arguments: &Arguments, name: &str) -> Result<(), String> {
         result.thrust_ratio(),
         100.0 * result.slip(),
         100.0 * result.efficiency(),
-        result.push_force()[0],
-        result.push_force()[1],
+        result.push_force[0],
+        result.push_force[1],
         100.0 * result.residual(),
     );
     run.check_steady().map_err(|fault| fault.to_string())

@@ -43,25 +43,11 @@ pub enum Cone {
     Speed(f64),
 }
 
-/// Work on a pulley and its losses in a step, J.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Work {
-    /// At the shaft.
-    pub shaft: f64,
-    /// On the cone.
-    pub cone: f64,
-    /// By drag of the shaft.
-    pub drag: f64,
-    /// By damping of the cone.
-    pub damping: f64,
-    /// By relaxation of the tilt.
-    pub tilt: f64,
-}
-
 impl Pulley {
-    /// A step under the belt's load. Returns the work, and the closing force that it took.
-    pub fn step(&mut self, of: &PulleyParameters, load: &Load, (shaft, cone): (Shaft, Cone), dt: f64) -> (Work, f64) {
-        let drag = of.drag.at(self.omega, load.resultant).torque;
+    /// A step under the belt's load. Returns works and losses, J: at the shaft, on the cone, by drag of the shaft, damping of the
+    /// cone, relaxation of the tilt.
+    pub fn step(&mut self, of: &PulleyParameters, load: &Load, (shaft, cone): (Shaft, Cone), dt: f64) -> [f64; 5] {
+        let drag = of.drag.at(self.omega, [load.resultant.re, load.resultant.im]).torque;
         let before = self.omega;
         let torque = match shaft {
             Shaft::Speed => drag - load.torque,
@@ -83,15 +69,13 @@ impl Pulley {
         let closing = load.axial + of.sheave_damping * self.z_dot + of.sheave_mass / dt * (self.z_dot - before);
         let middle = 0.5 * (before + self.z_dot);
         self.z += dt * self.z_dot;
-        let tilt = self.tilt_step(of, load, dt);
-        let work = Work {
-            shaft: dt * torque * omega,
-            cone: dt * closing * middle,
-            drag: dt * drag * omega,
-            damping: dt * of.sheave_damping * self.z_dot * middle,
-            tilt,
-        };
-        (work, closing)
+        [
+            dt * torque * omega,
+            dt * closing * middle,
+            dt * drag * omega,
+            dt * of.sheave_damping * self.z_dot * middle,
+            self.tilt_step(of, load, dt),
+        ]
     }
 
     /// ψ̇ from s (ψ + (τ + Δt) ψ̇) + G (ψ̇ − ψ̇₀) = m. Returns the work lost, J.
@@ -103,8 +87,8 @@ impl Pulley {
         let [xx, xy, yy] = load.resistance;
         let old = self.tilt_rate;
         let right = [
-            load.tilting[0] - secant * self.tilt[0] + xx * old[0] + xy * old[1],
-            load.tilting[1] - secant * self.tilt[1] + xy * old[0] + yy * old[1],
+            load.tilting.re - secant * self.tilt[0] + xx * old[0] + xy * old[1],
+            load.tilting.im - secant * self.tilt[1] + xy * old[0] + yy * old[1],
         ];
         let own = secant * (of.tilt.time + dt);
         let (a, d) = (own + xx, own + yy);
@@ -122,17 +106,13 @@ impl Pulley {
     /// Stored energy, J, without that of a shaft whose speed is given.
     #[must_use]
     pub fn energy(&self, of: &PulleyParameters, shaft: Shaft) -> f64 {
-        let turning = if shaft == Shaft::Speed {
-            0.0
-        } else {
-            0.5 * of.inertia * self.omega * self.omega
-        };
+        let inertia = if shaft == Shaft::Speed { 0.0 } else { of.inertia };
         let tilt = if of.tilt.is_rigid() {
             0.0
         } else {
-            2.0 * of.tilt.energy(self.tilt)
+            of.tilt.energy(self.tilt)
         };
-        turning + tilt + 0.5 * of.sheave_mass * self.z_dot * self.z_dot
+        0.5 * inertia * self.omega * self.omega + 2.0 * tilt + 0.5 * of.sheave_mass * self.z_dot * self.z_dot
     }
 
     /// Whether the cone is beyond an end stop.

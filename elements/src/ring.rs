@@ -16,207 +16,136 @@
 //! All layers have the same mean speed. What layers lose on each other is not in this model.
 //! Left out: Ṡ ∂w/∂S beside ẇ.
 
-use crate::frames::{Chords, Frames, close};
+use crate::belt::{Belt, Vector, chords, close, cross, dot};
 use crate::law::Law;
 
-/// Forces of the ring.
-#[derive(Clone, Debug)]
-pub struct Ring {
-    /// Chords between nodes.
-    pub chords: Chords,
-    cx: Vec<f64>,
-    cy: Vec<f64>,
-    /// T, N, of each chord.
-    pub tension: Vec<f64>,
-    /// ∂T_i/∂w_{i+1} = −∂T_i/∂w_i in the step, N·s/m.
-    pub slope: Vec<f64>,
-    /// ΔS, m.
-    pub steel: Vec<f64>,
-    /// Rate of stretch ε̇ ΔS, m/s.
-    pub rate: Vec<f64>,
-    /// M, N·m, of each node.
-    moment: Vec<f64>,
-    /// Angle between the chords of a node, rad.
-    pub angle: Vec<f64>,
-    /// Its rate, rad/s.
-    pub angle_rate: Vec<f64>,
-    turning: Vec<f64>,
-    /// F·t, N.
-    pub along: Vec<f64>,
-    /// F·o, N.
-    pub across: Vec<f64>,
-    /// N, N.
-    pub contact: Vec<f64>,
-    /// q/s, N·s/m.
-    pub friction: Vec<f64>,
-    /// q, N, on the element.
-    pub drag: Vec<f64>,
-    /// m, kg.
-    pub mass: Vec<f64>,
-    /// Ω_r, rad/s.
-    pub turn: Vec<f64>,
+rows! {
+    /// Forces of the ring, of its chords and its nodes.
+    Ring {
+        node: Vector,
+        /// Unit vectors r of the chords.
+        pub unit: Vector,
+        /// Lengths R of the chords, m.
+        pub length: f64,
+        /// T, N, of each chord.
+        pub tension: f64,
+        /// ∂T_i/∂w_{i+1} = −∂T_i/∂w_i in the step, N·s/m.
+        pub slope: f64,
+        /// ΔS, m.
+        pub steel: f64,
+        /// Rate of stretch ε̇ ΔS, m/s.
+        pub rate: f64,
+        turning: f64,
+        shear: f64,
+        moment: f64,
+        /// Angle between the chords of a node, rad.
+        pub angle: f64,
+        /// Its rate, rad/s.
+        pub angle_rate: f64,
+        /// F·t and F·o, N.
+        pub force: Vector,
+        /// N, N.
+        pub contact: f64,
+        /// q/s, N·s/m.
+        pub friction: f64,
+        /// q, N, on the element.
+        pub drag: f64,
+        /// m, kg.
+        pub mass: f64,
+        /// Ω_r, rad/s.
+        pub turn: f64,
+    }
 }
 
 impl Ring {
-    /// For `n` elements.
-    #[must_use]
-    pub fn new(n: usize) -> Self {
-        let zero = || vec![0.0; n + 2];
-        Self {
-            chords: Chords::new(n),
-            cx: zero(),
-            cy: zero(),
-            tension: zero(),
-            slope: zero(),
-            steel: zero(),
-            rate: zero(),
-            moment: zero(),
-            angle: zero(),
-            angle_rate: zero(),
-            turning: zero(),
-            along: zero(),
-            across: zero(),
-            contact: zero(),
-            friction: zero(),
-            drag: zero(),
-            mass: zero(),
-            turn: zero(),
-        }
-    }
-
     /// Places of the nodes and the chords between them.
-    pub fn place(&mut self, law: &Law, frames: &Frames, [x, y]: [&[f64]; 2]) {
-        let e = law.ring.offset;
-        let n = law.count + 2;
-        let (x, y, tx, ty) = (&x[..n], &y[..n], &frames.tx[..n], &frames.ty[..n]);
-        let (cx, cy) = (&mut self.cx[..n], &mut self.cy[..n]);
-        for i in 0..n {
-            (cx[i], cy[i]) = (x[i] - e * ty[i], y[i] + e * tx[i]);
+    pub fn place(&mut self, law: &Law, belt: &Belt) {
+        let e = Vector::new(0.0, law.parameters.belt.pitch_offset);
+        for (node, (p, t)) in self.node.iter_mut().zip(belt.p.iter().zip(&belt.t)) {
+            *node = p + e * t;
         }
-        self.chords.evaluate(&self.cx, &self.cy);
+        chords(&self.node, &mut self.unit, &mut self.length);
     }
 
     /// Tension, moments and forces at the speeds of the step before.
-    pub fn evaluate(&mut self, law: &Law, dt: f64, frames: &Frames, [v, u, w, s]: [&[f64]; 4]) {
-        let (n, ring) = (law.count, &law.ring);
-        let (tx, ty) = (&frames.tx[..n + 2], &frames.ty[..n + 2]);
-        let (rx, ry, length) = (
-            &self.chords.x[..n + 1],
-            &self.chords.y[..n + 1],
-            &self.chords.length[..n + 1],
-        );
-        let (v, u, w, s) = (&v[..n + 2], &u[..n + 2], &w[..n + 2], &s[..n + 2]);
-        let (ea, seen) = (ring.axial_stiffness, ring.damping + dt);
-        {
-            let (tension, slope) = (&mut self.tension[..n + 1], &mut self.slope[..n + 1]);
-            let (steel, rate, turning) = (
-                &mut self.steel[..n + 1],
-                &mut self.rate[..n + 1],
-                &mut self.turning[..n + 1],
-            );
-            for i in 0..=n {
-                let velocity = |k: usize| (w[k] * tx[k] - u[k] * ty[k], w[k] * ty[k] + u[k] * tx[k]);
-                let (a, b) = (velocity(i), velocity(i + 1));
-                let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-                let inverse = 1.0 / (s[i + 1] - s[i]);
-                steel[i] = s[i + 1] - s[i];
-                rate[i] = dx * rx[i] + dy * ry[i];
-                turning[i] = (dx * ry[i] - dy * rx[i]) / length[i];
-                slope[i] = ea * seen * inverse;
-                tension[i] = ea * (length[i] * inverse - 1.0) + slope[i] * rate[i];
-            }
+    pub fn evaluate(&mut self, law: &Law, dt: f64, belt: &Belt) {
+        let (n, ring, options) = (law.count, &law.parameters.ring, &law.options);
+        cut!(n + 2; belt => t, v, w, s);
+        cut!(n + 1; self => unit, length);
+        cut!(n + 1; mut self => tension, slope, steel, rate, turning);
+        for i in 0..=n {
+            let velocity = |k: usize| Vector::new(w[k], v[k].im) * t[k];
+            let faster = velocity(i + 1) - velocity(i);
+            steel[i] = s[i + 1] - s[i];
+            let inverse = 1.0 / steel[i];
+            rate[i] = dot(faster, unit[i]);
+            turning[i] = cross(faster, unit[i]) / length[i];
+            slope[i] = ring.axial_stiffness * (ring.damping + dt) * inverse;
+            tension[i] = ring.axial_stiffness * (length[i] * inverse - 1.0) + slope[i] * rate[i];
         }
-        {
-            let (steel, turning) = (&self.steel[..n + 1], &self.turning[..n + 1]);
-            let (moment, angle, angle_rate, mass) = (
-                &mut self.moment[..n + 1],
-                &mut self.angle[..n + 1],
-                &mut self.angle_rate[..n + 1],
-                &mut self.mass[..n + 1],
-            );
-            let seen = ring.curvature_damping + dt;
-            for i in 1..=n {
-                let share = 0.5 * (steel[i - 1] + steel[i]);
-                angle[i] = ry[i - 1] * rx[i] - rx[i - 1] * ry[i];
-                angle_rate[i] = turning[i] - turning[i - 1];
-                moment[i] = ring.bending_stiffness / share * (angle[i] + seen * angle_rate[i]);
-                mass[i] = ring.mass_per_length * share;
-            }
+        cut!(n + 1; mut self => moment, angle, angle_rate, mass);
+        for i in 1..=n {
+            let share = 0.5 * (steel[i - 1] + steel[i]);
+            angle[i] = cross(unit[i], unit[i - 1]);
+            angle_rate[i] = turning[i] - turning[i - 1];
+            let seen = (options.curvature_damping + dt) * angle_rate[i];
+            moment[i] = ring.bending_stiffness / share * (angle[i] + seen);
+            mass[i] = ring.mass_per_length * share;
         }
         close(&mut self.moment);
-        // Shear, in the array that is free now.
-        let (shear, moment) = (&mut self.turning[..n + 1], &self.moment[..n + 2]);
+        let moment = &self.moment[..n + 2];
+        cut!(n + 1; mut self => shear, force, turn, friction);
         for i in 0..=n {
             shear[i] = (moment[i + 1] - moment[i]) / length[i];
         }
-        let (shear, tension) = (&self.turning[..n + 1], &self.tension[..n + 1]);
-        let (along, across, turn) = (
-            &mut self.along[..n + 1],
-            &mut self.across[..n + 1],
-            &mut self.turn[..n + 1],
-        );
-        let (angle, mass) = (&self.angle[..n + 1], &self.mass[..n + 1]);
-        let friction = &mut self.friction[..n + 1];
         let contact = &self.contact[..n + 1];
-        let (per_step, v0) = (1.0 / dt, law.friction.ring_velocity);
+        let (per_step, v0) = (1.0 / dt, law.parameters.friction.ring_velocity);
         for i in 1..=n {
-            let fx = tension[i] * rx[i] - tension[i - 1] * rx[i - 1] + shear[i - 1] * ry[i - 1] - shear[i] * ry[i];
-            let fy = tension[i] * ry[i] - tension[i - 1] * ry[i - 1] - shear[i - 1] * rx[i - 1] + shear[i] * rx[i];
-            along[i] = fx * tx[i] + fy * ty[i];
-            across[i] = fy * tx[i] - fx * ty[i];
-            let omega = frames.turn[i] * per_step;
+            let pull = |c: usize| unit[c] * tension[c];
+            let across = |c: usize| Vector::new(0.0, shear[c]) * unit[c];
+            force[i] = (pull(i) - pull(i - 1) - across(i - 1) + across(i)) * t[i].conj();
+            let omega = belt.turn[i] * per_step;
             // Ṡ κ; λ is 1 within a thousandth.
-            let passing = v[i] + ring.offset * omega - w[i];
+            let passing = v[i].re + law.parameters.belt.pitch_offset * omega - w[i];
             turn[i] = omega - passing * angle[i] * ring.mass_per_length / mass[i];
-            let sliding = w[i] - v[i] - ring.lever * omega;
-            friction[i] = law.friction.ring * (contact[i] - ring.contact_threshold).max(0.0)
-                / (sliding * sliding + v0 * v0).sqrt();
+            let sliding = w[i] - v[i].re - law.lever * omega;
+            let pressed = (contact[i] - options.contact_threshold).max(0.0);
+            friction[i] = law.parameters.friction.ring * pressed / (sliding * sliding + v0 * v0).sqrt();
         }
     }
 
     /// The equations of w: m/Δt + slopes and friction on the `diagonal`, F·t − m U Ω_r − q on the right.
-    pub fn rows(&mut self, law: &Law, dt: f64, frames: &Frames, [v, u, w]: [&[f64]; 3], rows: [&mut [f64]; 3]) {
-        let (n, lever) = (law.count, law.ring.lever);
+    pub fn rows(&self, law: &Law, dt: f64, belt: &Belt, rows: [&mut [f64]; 3]) {
+        let (n, per_step) = (law.count, 1.0 / dt);
         let [diagonal, off, right] = rows.map(|row| &mut row[..n]);
-        let per_step = 1.0 / dt;
-        let all = n + 2;
-        let [v, u, w, turn] = [v, u, w, &frames.turn].map(|row| &row[..all]);
-        let [mass, slope, friction] = [&self.mass, &self.slope, &self.friction].map(|row| &row[..all]);
-        let [along, ring_turn] = [&self.along, &self.turn].map(|row| &row[..all]);
+        cut!(n + 1; belt => v, w, turn);
+        cut!(n + 1; self => mass, slope, friction, force);
+        let ring_turn = &self.turn[..n + 1];
         for k in 0..n {
             let i = k + 1;
-            let sliding = w[i] - v[i] - lever * turn[i] * per_step;
+            let sliding = w[i] - v[i].re - law.lever * turn[i] * per_step;
             diagonal[k] = mass[i] * per_step + slope[i] + slope[k] + friction[i];
             off[k] = -slope[i];
-            right[k] = along[i] - mass[i] * u[i] * ring_turn[i] - friction[i] * sliding;
+            right[k] = force[i].re - mass[i] * v[i].im * ring_turn[i] - friction[i] * sliding;
         }
     }
 
-    /// The forces after w has changed by `change`, with its copies, to `w`.
-    pub fn correct(&mut self, law: &Law, dt: f64, frames: &Frames, [v, w, change]: [&[f64]; 3]) {
-        let (n, lever) = (law.count, law.ring.lever);
-        let (tx, ty) = (&frames.tx[..n + 2], &frames.ty[..n + 2]);
-        let (rx, ry) = (&self.chords.x[..n + 2], &self.chords.y[..n + 2]);
-        let all = n + 2;
-        let [v, w, change, turn] = [v, w, change, &frames.turn].map(|row| &row[..all]);
-        let [slope, mass, friction, own_turn] =
-            [&self.slope, &self.mass, &self.friction, &self.turn].map(|row| &row[..all]);
-        let (tension, rate, across) = (&mut self.tension[..all], &mut self.rate[..all], &mut self.across[..all]);
-        let (contact, drag) = (&mut self.contact[..all], &mut self.drag[..all]);
-        let (per_step, first) = (1.0 / dt, change[1] - change[0]);
-        let mut before = slope[0] * first;
-        tension[0] += before;
-        rate[0] += first;
+    /// The forces after w has changed by `change`, with its copies.
+    pub fn correct(&mut self, law: &Law, dt: f64, belt: &Belt, change: &[f64]) {
+        let (n, per_step) = (law.count, 1.0 / dt);
+        cut!(n + 1; belt => v, w, t, turn);
+        cut!(n + 1; self => slope, mass, friction);
+        cut!(n + 1; mut self => tension, rate, force, contact, drag);
+        let (own_turn, unit, change) = (&self.turn[..n + 1], &self.unit[..n + 1], &change[..n + 2]);
+        for i in 0..=n {
+            rate[i] += change[i + 1] - change[i];
+            tension[i] += slope[i] * (change[i + 1] - change[i]);
+        }
         for i in 1..=n {
-            let faster = change[i + 1] - change[i];
-            let rise = slope[i] * faster;
-            tension[i] += rise;
-            rate[i] += faster;
-            let outward = |k: usize| ry[k] * tx[i] - rx[k] * ty[i];
-            across[i] += rise * outward(i) - before * outward(i - 1);
-            before = rise;
-            contact[i] = -across[i] - mass[i] * w[i] * own_turn[i];
-            drag[i] = friction[i] * (w[i] - v[i] - lever * turn[i] * per_step);
+            let outward = |c: usize| slope[c] * (change[c + 1] - change[c]) * cross(t[i], unit[c]);
+            force[i].im += outward(i) - outward(i - 1);
+            contact[i] = -force[i].im - mass[i] * w[i] * own_turn[i];
+            drag[i] = friction[i] * (w[i] - v[i].re - law.lever * turn[i] * per_step);
         }
         close(&mut self.drag);
     }
@@ -226,39 +155,33 @@ impl Ring {
 mod tests {
     use super::*;
     use crate::law::Options;
+    use crate::near;
     use pushbelt::variator::settings::Parameters;
-
-    /// Forces F·t and F·o on the nodes of a straight row with these speeds.
-    fn forces(law: &Law, dt: f64, u: &[f64], w: &[f64]) -> (Vec<f64>, Vec<f64>, Ring) {
-        let n = law.count;
-        let zero = vec![0.0; n + 2];
-        let mut frames = Frames::new(n);
-        frames.tx.fill(1.0);
-        let x: Vec<_> = (0..n + 2).map(|i| i as f64 * law.thickness).collect();
-        let mut ring = Ring::new(n);
-        ring.place(law, &frames, [&x, &zero]);
-        ring.evaluate(law, dt, &frames, [&zero, u, w, &x]);
-        (ring.along.clone(), ring.across.clone(), ring)
-    }
 
     /// The slopes of a step are those of tension with Δt + η and of moments with Δt + η_κ.
     #[test]
     fn slopes_are_differences() {
-        let mut law = Law::new(&Parameters::default(), &Options::default()).unwrap();
-        law.count = 20;
-        let (dt, zero) = (2.0e-6, vec![0.0; 22]);
-        let bending = (dt + law.ring.curvature_damping) * law.ring.bending_stiffness / law.thickness.powi(3);
-        let mut moved = zero.clone();
-        moved[10] = 1.0e-3;
-        let (_, across, _) = forces(&law, dt, &moved, &zero);
+        let law = Law::new(&Parameters::default(), &Options::default()).unwrap();
+        let law = Law { count: 20, ..law };
+        let (dt, moved) = (2.0e-6, 1.0e-3);
+        // Forces on the nodes of a straight row with a speed of node 10 along or across it.
+        let forces = |u: f64, w: f64| {
+            let (mut belt, mut ring) = (Belt::new(20), Ring::new(20));
+            belt.t.fill(1.0.into());
+            belt.s = (0..22).map(|i| f64::from(i) * law.thickness).collect();
+            belt.p = belt.s.iter().map(Vector::from).collect();
+            (belt.v[10].im, belt.w[10]) = (u, w);
+            ring.place(&law, &belt);
+            ring.evaluate(&law, dt, &belt);
+            ring
+        };
+        let ring = forces(moved, 0.0);
         for (k, weight) in [1.0, -4.0, 6.0, -4.0, 1.0].into_iter().enumerate() {
-            let found = -across[8 + k] / 1.0e-3;
-            assert!((found / (bending * weight) - 1.0).abs() < 1e-9, "{k}: {found}");
+            near(-ring.force[8 + k].im / moved, law.bending_slope(dt) * weight, 1e-9);
         }
-        let (along, _, ring) = forces(&law, dt, &zero, &moved);
+        let ring = forces(0.0, moved);
         for (k, weight) in [-1.0, 2.0, -1.0].into_iter().enumerate() {
-            let found = -along[9 + k] / 1.0e-3;
-            assert!((found / (ring.slope[10] * weight) - 1.0).abs() < 1e-9, "{k}: {found}");
+            near(-ring.force[9 + k].re / moved, ring.slope[10] * weight, 1e-9);
         }
     }
 }

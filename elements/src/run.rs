@@ -4,173 +4,153 @@ use crate::case::{Case, Path};
 use crate::machine::{Fault, Ledger, Machine};
 use pushbelt::variator::settings::ParameterError;
 use pushbelt_archive::Archive;
-use std::fmt::Write as _;
 
 /// Interval of the results, s.
 const INTERVAL: f64 = 1.0e-3;
 /// Steps between checks of the state and samples of fields and extremes.
 const SAMPLE: u64 = 50;
 /// Number of places of the fields.
-pub const PLACES: usize = 72;
-/// Fields at a place.
-const FIELDS: [&str; 7] = [
-    "pushForce",
-    "gap",
-    "ringTension",
-    "ringContact",
-    "normalForce",
-    "slidingSpeed",
-    "ringSliding",
-];
+const PLACES: usize = 72;
+/// Number of fields at a place.
+const FIELDS: usize = 7;
+/// Columns of the fields' file. The spread is a standard deviation.
+const FIELD_COLUMNS: &str = "position,pushForce,pushForce.spread,gap,gap.spread,ringTension,\
+    ringTension.spread,ringContact,ringContact.spread,normalForce,normalForce.spread,\
+    slidingSpeed,slidingSpeed.spread,ringSliding,ringSliding.spread";
 /// Part of a run whose mean is its result.
 const RESULT: f64 = 0.25;
 /// Slip beyond which the belt slips through.
 const THROUGH: f64 = 0.2;
 /// Change of the thrust ratio, relative, or of the slip between the last two parts beyond which a state is not steady.
 const STEADY: [f64; 2] = [0.01, 2.0e-3];
+/// Share of the difference of the strands' push forces by which an idle arc ends, as in the FMU.
+const IDLE_CHANGE: f64 = 0.1;
+/// Extremes of nothing.
+const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
-/// Sums over the steps of an interval.
-const SUMS: usize = 8;
-/// Numbers of a row: time, duration, means, works and losses, change of the stored energy, extremes of the push force, open gaps.
-const ROW: usize = 2 + SUMS + Ledger::NAMES.len() + 4;
+/// Means over an interval of time. Pairs are in the order secondary, primary.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Row {
+    /// The end of its interval, s.
+    pub time: f64,
+    /// Its duration, s.
+    pub duration: f64,
+    /// Axial forces, N, radii, m, speeds, rad/s, and torques of the belt, N·m.
+    pub means: [[f64; 2]; 4],
+    /// Energies added to the ledger, J.
+    pub ledger: Ledger,
+    /// Change of the stored energy, J.
+    pub stored: f64,
+    /// Least and largest push force, N.
+    pub push_force: [f64; 2],
+    /// Number of open gaps.
+    pub open: f64,
+}
 
-/// Means over an interval of time.
-#[derive(Clone, Copy, Debug)]
-pub struct Row([f64; ROW]);
-
-/// Names of the columns of results.
-pub const COLUMNS: [&str; 17] = [
-    "time",
-    "ratio",
-    "thrustRatio",
-    "slip",
-    "efficiency",
-    "secondary.axialForce",
-    "primary.axialForce",
-    "secondary.radius",
-    "primary.radius",
-    "secondary.speed",
-    "primary.speed",
-    "secondary.beltTorque",
-    "primary.beltTorque",
-    "pushForceMin",
-    "pushForceMax",
-    "openGaps",
-    "residual",
-];
+/// Names of the columns before those of the [`Ledger`], of which W are given.
+const COLUMNS: &str = "time,ratio,thrustRatio,slip,efficiency,secondary.axialForce,\
+    primary.axialForce,secondary.radius,primary.radius,secondary.speed,primary.speed,\
+    secondary.beltTorque,primary.beltTorque,pushForceMin,pushForceMax,openGaps,residual";
 
 impl Row {
-    /// The end of its interval, s.
-    #[must_use]
-    pub fn time(&self) -> f64 {
-        self.0[0]
-    }
-
-    fn means(&self) -> &[f64] {
-        &self.0[2..2 + SUMS]
-    }
-
-    /// Energies added to the ledger, J.
-    fn ledger(&self) -> Ledger {
-        Ledger(std::array::from_fn(|k| self.0[2 + SUMS + k]))
-    }
-
     /// r_S/r_P of the running mean radii.
     #[must_use]
     pub fn ratio(&self) -> f64 {
-        self.means()[2] / self.means()[3]
+        self.means[1][0] / self.means[1][1]
     }
 
     /// Axial force of the belt, primary over secondary.
     #[must_use]
     pub fn thrust_ratio(&self) -> f64 {
-        self.means()[1] / self.means()[0]
+        self.means[0][1] / self.means[0][0]
     }
 
     /// 1 − (ω_S/ω_P)(r_S/r_P), with the running mean radii.
     #[must_use]
     pub fn slip(&self) -> f64 {
-        1.0 - self.means()[4] / self.means()[5] * self.ratio()
+        1.0 - self.means[2][0] / self.means[2][1] * self.ratio()
     }
 
     /// Power of the belt on the driven pulley over that of the driving one; 0 where little flows.
     #[must_use]
     pub fn efficiency(&self) -> f64 {
-        let [s, p] = [0, 1].map(|j| self.means()[6 + j] * self.means()[4 + j]);
+        let [s, p] = [0, 1].map(|j| self.means[3][j] * self.means[2][j]);
         let (from, to) = (-s.min(p), s.max(p));
         if from > 1.0 && to > 0.0 { to / from } else { 0.0 }
     }
 
-    /// Power of a loss by its name, W.
-    #[must_use]
-    pub fn power(&self, name: &str) -> f64 {
-        let place = Ledger::NAMES.iter().position(|other| *other == name);
-        place.map_or(f64::NAN, |place| self.ledger().0[place] / self.0[1])
+    /// Work less losses less the change of the stored energy, J.
+    fn surplus(&self) -> f64 {
+        self.ledger.work() - self.ledger.losses() - self.stored
     }
 
-    /// Least and largest push force, N.
-    #[must_use]
-    pub fn push_force(&self) -> [f64; 2] {
-        [self.0[ROW - 3], self.0[ROW - 2]]
-    }
-
-    /// Work less losses less the change of the stored energy, over the power that passes.
+    /// The same over the energy that passes.
     #[must_use]
     pub fn residual(&self) -> f64 {
-        let ledger = self.ledger();
-        let passing = ledger.0[0].abs().max(ledger.0[1].abs());
-        (ledger.work() - ledger.losses() - self.0[ROW - 4]) / passing
+        self.surplus() / self.ledger.0[0].abs().max(self.ledger.0[1].abs())
     }
 
     /// The same over the losses.
     #[must_use]
     pub fn residual_of_losses(&self) -> f64 {
-        let ledger = self.ledger();
-        (ledger.work() - ledger.losses() - self.0[ROW - 4]) / ledger.losses()
+        self.surplus() / self.ledger.losses()
     }
 
     /// The mean of rows.
     #[must_use]
     pub fn mean(rows: &[Self]) -> Self {
-        let mut mean = [0.0; ROW];
-        (mean[ROW - 3], mean[ROW - 2]) = (f64::INFINITY, f64::NEG_INFINITY);
-        for Self(row) in rows {
-            mean[0] = mean[0].max(row[0]);
-            mean[1] += row[1];
-            for k in (2..2 + SUMS).chain([ROW - 1]) {
-                mean[k] += row[k] / rows.len() as f64;
-            }
-            for k in 2 + SUMS..ROW - 3 {
-                mean[k] += row[k];
-            }
-            mean[ROW - 3] = mean[ROW - 3].min(row[ROW - 3]);
-            mean[ROW - 2] = mean[ROW - 2].max(row[ROW - 2]);
+        let count = rows.len() as f64;
+        let push_force = NONE;
+        let mut mean = Self {
+            push_force,
+            ..Self::default()
+        };
+        for row in rows {
+            mean.time = mean.time.max(row.time);
+            mean.duration += row.duration;
+            mean.stored += row.stored;
+            mean.open += row.open / count;
+            let means = mean.means.iter_mut().flatten().zip(row.means.iter().flatten());
+            means.for_each(|(mean, value)| *mean += value / count);
+            let ledger = mean.ledger.0.iter_mut().zip(row.ledger.0);
+            ledger.for_each(|(sum, energy)| *sum += energy);
+            widen(&mut mean.push_force, row.push_force);
         }
-        Self(mean)
+        mean
     }
 
-    /// The columns of [`header`], W for works and losses.
+    /// The columns of [`header`].
     #[must_use]
     pub fn line(&self) -> String {
-        let m = self.means();
-        let values = [
-            self.time(),
+        let ratios = [
+            self.time,
             self.ratio(),
             self.thrust_ratio(),
             self.slip(),
             self.efficiency(),
         ];
-        let more = [self.0[ROW - 3], self.0[ROW - 2], self.0[ROW - 1], self.residual()];
-        let powers = self.ledger().0.map(|energy| energy / self.0[1]);
-        let mut line = String::new();
-        let all = values.iter().chain(m).chain(&more).chain(&powers);
-        for (k, value) in all.enumerate() {
-            let comma = if k > 0 { "," } else { "" };
-            // Writing to a string doesn't fail.
-            let _ = write!(line, "{comma}{}", short(*value));
-        }
-        line
+        let [least, most] = self.push_force;
+        let more = [least, most, self.open, self.residual()];
+        let powers = self.ledger.0.map(|energy| energy / self.duration);
+        line(
+            ratios
+                .iter()
+                .chain(self.means.iter().flatten())
+                .chain(&more)
+                .chain(&powers),
+        )
     }
+}
+
+/// Extends limits to others.
+fn widen(limits: &mut [f64; 2], [least, most]: [f64; 2]) {
+    *limits = [limits[0].min(least), limits[1].max(most)];
+}
+
+/// Values with commas between.
+fn line<'a>(values: impl Iterator<Item = &'a f64>) -> String {
+    let words: Vec<_> = values.map(|value| short(*value)).collect();
+    words.join(",")
 }
 
 /// Six digits.
@@ -190,19 +170,7 @@ fn short(value: f64) -> String {
 /// Names of all columns.
 #[must_use]
 pub fn header() -> String {
-    let all: Vec<_> = COLUMNS.iter().chain(&Ledger::NAMES).copied().collect();
-    all.join(",")
-}
-
-/// Why a run ended early.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// A value of the case.
-    #[error(transparent)]
-    Value(#[from] ParameterError),
-    /// The state.
-    #[error(transparent)]
-    Fault(#[from] Fault),
+    format!("{COLUMNS},{}", Ledger::NAMES)
 }
 
 /// A run.
@@ -216,13 +184,15 @@ pub struct Run {
     pub rows: Vec<Row>,
     /// Steps so far.
     pub steps: u64,
-    sums: [f64; SUMS],
+    /// Sums since the last row.
+    sums: [[f64; 2]; 4],
     count: f64,
     extremes: [f64; 2],
+    /// Ledger and stored energy at the last row.
     before: Ledger,
     energy: f64,
     /// Count, sums and sums of squares of the fields at each place.
-    fields: Vec<[f64; 1 + 2 * FIELDS.len()]>,
+    fields: [[f64; 1 + 2 * FIELDS]; PLACES],
 }
 
 impl Run {
@@ -231,18 +201,17 @@ impl Run {
     /// # Errors
     /// A value is out of its range.
     pub fn new(case: Case) -> Result<Self, ParameterError> {
-        let machine = case.start()?;
         Ok(Self {
+            machine: case.start()?,
             case,
-            machine,
             rows: Vec::new(),
             steps: 0,
-            sums: [0.0; SUMS],
+            sums: [[0.0; 2]; 4],
             count: 0.0,
-            extremes: [f64::MAX, f64::MIN],
+            extremes: NONE,
             before: Ledger::default(),
             energy: f64::NAN,
-            fields: vec![[0.0; 1 + 2 * FIELDS.len()]; PLACES],
+            fields: [[0.0; 1 + 2 * FIELDS]; PLACES],
         })
     }
 
@@ -266,21 +235,14 @@ impl Run {
             machine.step();
             self.steps += 1;
             let loads = &machine.loads;
-            let radius = |j: usize| loads[j].weight[1] / loads[j].weight[0].max(f64::MIN_POSITIVE);
-            let [s, p] = machine.pulleys.map(|pulley| pulley.omega);
             let values = [
-                loads[0].axial,
-                loads[1].axial,
-                radius(0),
-                radius(1),
-                s,
-                p,
-                loads[0].torque,
-                loads[1].torque,
+                loads.map(|load| load.axial),
+                loads.map(|load| load.weight[1] / load.weight[0].max(f64::MIN_POSITIVE)),
+                machine.pulleys.map(|pulley| pulley.omega),
+                loads.map(|load| load.torque),
             ];
-            for (sum, value) in self.sums.iter_mut().zip(values) {
-                *sum += value;
-            }
+            let sums = self.sums.iter_mut().flatten().zip(values.iter().flatten());
+            sums.for_each(|(sum, value)| *sum += value);
             self.count += 1.0;
             if self.steps.is_multiple_of(SAMPLE) {
                 self.sample()?;
@@ -296,29 +258,24 @@ impl Run {
         let machine = &self.machine;
         let energy = machine.energies().iter().sum::<f64>();
         let ledger = machine.ledger.since(&self.before);
-        let mut row = [0.0; ROW];
-        row[0] = machine.time;
-        row[1] = self.count * machine.dt;
-        for (mean, sum) in row[2..].iter_mut().zip(self.sums) {
-            *mean = sum / self.count;
-        }
-        row[2 + SUMS..ROW - 4].copy_from_slice(&ledger.0);
-        let open = |length: &&f64| **length > machine.law.thickness + machine.law.oil.floor.min(1.0e-6);
-        let gaps = &machine.chords.length[1..=machine.law.count];
-        let rest = [
-            energy - self.energy,
-            self.extremes[0],
-            self.extremes[1],
-            gaps.iter().filter(open).count() as f64,
-        ];
-        row[ROW - 4..].copy_from_slice(&rest);
-        // The first interval has no energy before it.
-        if self.energy.is_nan() {
-            row[ROW - 4] = ledger.work() - ledger.losses();
-        }
-        self.rows.push(Row(row));
+        let wide = machine.law.thickness + machine.law.oil.floor.min(1.0e-6);
+        let gaps = &machine.belt.length[1..=machine.law.count];
+        self.rows.push(Row {
+            time: machine.time,
+            duration: self.count * machine.dt,
+            means: self.sums.map(|pair| pair.map(|sum| sum / self.count)),
+            ledger,
+            // The first interval has no energy before it.
+            stored: if self.energy.is_nan() {
+                ledger.work() - ledger.losses()
+            } else {
+                energy - self.energy
+            },
+            push_force: self.extremes,
+            open: gaps.iter().filter(|length| **length > wide).count() as f64,
+        });
         (self.before, self.energy) = (machine.ledger, energy);
-        (self.sums, self.count, self.extremes) = ([0.0; SUMS], 0.0, [f64::MAX, f64::MIN]);
+        (self.sums, self.count, self.extremes) = ([[0.0; 2]; 4], 0.0, NONE);
     }
 
     /// Checks the state, and adds to extremes and, in the part that is the result, to the fields.
@@ -326,26 +283,25 @@ impl Run {
         let machine = &self.machine;
         machine.check()?;
         for push in &machine.stack.push[1..=machine.law.count] {
-            self.extremes = [self.extremes[0].min(*push), self.extremes[1].max(*push)];
+            widen(&mut self.extremes, [*push; 2]);
         }
         if machine.time < (1.0 - RESULT) * self.case.duration() || self.rows.is_empty() {
             return Ok(());
         }
-        let path = self.path();
+        let (path, belt) = (self.path(), &machine.belt);
         for i in 1..=machine.law.count {
-            let xi = path.place([machine.x[i], machine.y[i]]);
+            let xi = path.place(belt.p[i]);
             let place = (xi / path.length() * PLACES as f64).round() as usize % PLACES;
             let sum = &mut self.fields[place];
-            let ring = &machine.ring;
-            let omega = machine.frames.turn[i] / machine.dt;
-            let values = [
+            let omega = belt.turn[i] / machine.dt;
+            let values: [f64; FIELDS] = [
                 machine.stack.push[i],
-                (machine.chords.length[i] - machine.law.thickness).max(0.0),
-                ring.tension[i],
-                ring.contact[i],
-                machine.flanks.normal[i],
-                machine.flanks.sliding[i],
-                machine.w[i] - machine.v[i] - machine.law.ring.lever * omega,
+                (belt.length[i] - machine.law.thickness).max(0.0),
+                machine.ring.tension[i],
+                machine.ring.contact[i],
+                machine.flanks.of[i].normal,
+                machine.flanks.of[i].sliding,
+                belt.w[i] - belt.v[i].re - machine.law.lever * omega,
             ];
             sum[0] += 1.0;
             for (k, value) in values.into_iter().enumerate() {
@@ -359,11 +315,8 @@ impl Run {
     /// The line on which elements are in the present interval of time, for their place along the belt.
     #[must_use]
     pub fn path(&self) -> Path {
-        let last = self
-            .rows
-            .last()
-            .map_or([f64::NAN; 2], |row| [row.means()[2], row.means()[3]]);
-        Path::new(self.machine.law.axes[1], last)
+        let radii = self.rows.last().map_or([f64::NAN; 2], |row| row.means[1]);
+        Path::new(self.machine.law.axes[1], radii)
     }
 
     /// The mean of the last part of the run.
@@ -391,55 +344,36 @@ impl Run {
         let thrust = now.thrust_ratio() / before.thrust_ratio() - 1.0;
         let slip = now.slip() - before.slip();
         let cause = if now.slip().abs() > THROUGH {
-            format!(
-                "no steady state: the belt slips through, at {:.1} %",
-                100.0 * now.slip()
-            )
+            format!("the belt slips through, at {:.1} %", 100.0 * now.slip())
         } else if thrust.abs() > STEADY[0] || slip.abs() > STEADY[1] {
-            format!(
-                "no steady state: the thrust ratio changes by {:.2} % and the slip by {:.3} points in the last quarter",
-                100.0 * thrust,
-                100.0 * slip
-            )
+            let (thrust, slip) = (100.0 * thrust, 100.0 * slip);
+            let quarter = "points in the last quarter";
+            format!("the thrust ratio changes by {thrust:.2} % and the slip by {slip:.3} {quarter}")
         } else {
             return Ok(());
         };
-        let fastest =
-            |i: &usize, k: &usize| self.machine.flanks.sliding[*i].total_cmp(&self.machine.flanks.sliding[*k]);
+        let sliding = |i: &usize| self.machine.flanks.of[*i].sliding;
+        let fastest = (1..=self.machine.law.count).max_by(|i, k| sliding(i).total_cmp(&sliding(k)));
         Err(Fault {
-            element: (1..=self.machine.law.count).max_by(fastest).unwrap_or(1),
+            element: fastest.unwrap_or(1),
             time: self.machine.time,
-            cause,
+            cause: format!("no steady state: {cause}"),
         })
     }
 
     /// Fields along the belt, CSV: place, m, and of each field mean and standard deviation over the elements that passed.
     #[must_use]
     pub fn fields_csv(&self) -> String {
-        let mut text = "position".to_owned();
-        for name in FIELDS {
-            let _ = write!(text, ",{name},{name}.spread");
-        }
         let length = self.path().length();
-        for (k, sum) in self.fields.iter().enumerate() {
-            let _ = write!(text, "\n{}", short(length * k as f64 / PLACES as f64));
-            for field in 0..FIELDS.len() {
-                let mean = sum[1 + 2 * field] / sum[0];
-                let spread = (sum[2 + 2 * field] / sum[0] - mean * mean).max(0.0).sqrt();
-                let _ = write!(text, ",{},{}", short(mean), short(spread));
+        let lines = self.fields.iter().enumerate().map(|(k, sum)| {
+            let mut values = vec![length * k as f64 / PLACES as f64];
+            for pair in sum[1..].chunks(2) {
+                let mean = pair[0] / sum[0];
+                values.extend([mean, (pair[1] / sum[0] - mean * mean).max(0.0).sqrt()]);
             }
-        }
-        text.push('\n');
-        text
-    }
-
-    /// The mean of a field at a place, by the field's name.
-    #[must_use]
-    pub fn field(&self, name: &str, place: usize) -> f64 {
-        let field = FIELDS.iter().position(|other| *other == name);
-        field.map_or(f64::NAN, |field| {
-            self.fields[place][1 + 2 * field] / self.fields[place][0]
-        })
+            line(values.iter()) + "\n"
+        });
+        format!("{FIELD_COLUMNS}\n{}", lines.collect::<String>())
     }
 
     /// The idle arcs of S and P, rad: from the entry on, up to where the push force has changed by 10 % of its difference between
@@ -448,9 +382,9 @@ impl Run {
     pub fn idle_arcs(&self) -> [f64; 2] {
         let path = self.path();
         let per_place = path.length() / PLACES as f64;
-        let (s, p) = (path.wraps()[0] * path.radii()[0], path.wraps()[1] * path.radii()[1]);
+        let [s, p] = [0, 1].map(|j| path.wraps()[j] * path.radii[j]);
         let strand = path.length() - s - p;
-        let push = |k: usize| self.field("pushForce", k % PLACES);
+        let push = |k: usize| self.fields[k % PLACES][1] / self.fields[k % PLACES][0];
         let mean = |from: f64, to: f64| {
             let places = (from / per_place).ceil() as usize..=(to / per_place) as usize;
             let count = places.clone().count() as f64;
@@ -467,7 +401,7 @@ impl Run {
                 if change > limit {
                     let share = ((limit - before) / (change - before)).clamp(0.0, 1.0);
                     let place = (first + k as f64 - 1.0 + share) * per_place;
-                    return ((place - from) / path.radii()[j]).max(0.0);
+                    return ((place - from) / path.radii[j]).max(0.0);
                 }
                 before = change;
             }
@@ -478,42 +412,35 @@ impl Run {
     /// Rows so far, CSV.
     #[must_use]
     pub fn rows_csv(&self) -> String {
-        let mut text = header();
-        for row in &self.rows {
-            text.push('\n');
-            text.push_str(&row.line());
-        }
-        text.push('\n');
-        text
+        let lines = self.rows.iter().map(|row| row.line() + "\n");
+        format!("{}\n{}", header(), lines.collect::<String>())
     }
 
     /// Writes the run to an archive, or reads it.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.machine.serialize(archive);
         archive.counter(&mut self.steps);
-        archive.reals(&mut self.sums);
-        for value in [&mut self.count, &mut self.energy] {
+        archive.reals(self.sums.as_flattened_mut());
+        let [least, most] = &mut self.extremes;
+        for value in [&mut self.count, &mut self.energy, least, most] {
             archive.any_real(value);
         }
-        archive.reals(&mut self.extremes);
         archive.reals(&mut self.before.0);
-        for place in &mut self.fields {
-            archive.reals(place);
-        }
+        archive.reals(self.fields.as_flattened_mut());
         let mut rows = self.rows.len() as u64;
         archive.counter(&mut rows);
-        let rows = usize::try_from(rows).unwrap_or(0);
         if archive.is_reading() {
-            self.rows.clear();
             // Not more than the duration has.
             let most = (self.case.duration() / INTERVAL) as usize + 1;
-            self.rows.resize(rows.min(most), Row([0.0; ROW]));
+            self.rows = vec![Row::default(); most.min(rows as usize)];
         }
         for row in &mut self.rows {
-            archive.reals(&mut row.0);
+            for value in [&mut row.time, &mut row.duration, &mut row.stored, &mut row.open] {
+                archive.real(value);
+            }
+            archive.reals(row.means.as_flattened_mut());
+            archive.reals(&mut row.push_force);
+            archive.reals(&mut row.ledger.0);
         }
     }
 }
-
-/// Share of the difference of the strands' push forces by which an idle arc ends, as in the FMU.
-const IDLE_CHANGE: f64 = 0.1;
