@@ -97,21 +97,18 @@ impl Case {
     }
 
     /// Duration, s.
-    #[must_use]
     pub fn duration(&self) -> f64 {
         let slow = !(0.6..=1.6).contains(&self.ratio) || self.options.speed < 100.0;
         self.options.duration.unwrap_or(if slow { 0.5 } else { 0.3 })
     }
 
     /// Time step, s.
-    #[must_use]
     pub fn step(&self) -> f64 {
         let usual = STEP * STEP_SPEED / self.options.speed.max(0.5 * STEP_SPEED);
         self.options.step.unwrap_or(usual)
     }
 
     /// Torque of the load on the secondary shaft, N·m.
-    #[must_use]
     pub fn torque(&self) -> f64 {
         let (of, cos_beta) = (&self.parameters, self.parameters.geometry.wedge_angle.cos());
         let radius = of.pitch_radii(self.ratio).map_or(f64::NAN, |(_, secondary)| secondary);
@@ -177,7 +174,6 @@ pub struct Path {
 
 impl Path {
     /// Around pulleys at this distance, with the radii of S and P, m.
-    #[must_use]
     pub fn new(distance: f64, radii: [f64; 2]) -> Self {
         let rise = radii[1] - radii[0];
         Self {
@@ -189,20 +185,17 @@ impl Path {
     }
 
     /// Wrap angles of S and P, rad.
-    #[must_use]
     pub fn wraps(&self) -> [f64; 2] {
         [2.0 * self.phi, 2.0 * (std::f64::consts::PI - self.phi)]
     }
 
     /// Length, m.
-    #[must_use]
     pub fn length(&self) -> f64 {
         let [s, p] = self.wraps();
         2.0 * self.strand + s * self.radii[0] + p * self.radii[1]
     }
 
     /// The point at the place `xi`, m, from 0 to the length.
-    #[must_use]
     pub fn at(&self, xi: f64) -> Vector {
         let half = 0.5 * self.length();
         if xi > half {
@@ -223,7 +216,6 @@ impl Path {
     }
 
     /// The place ξ of a point near the line, m.
-    #[must_use]
     pub fn place(&self, Vector { re: x, im: y }: Vector) -> f64 {
         let [s, p] = self.radii;
         let (sin, cos) = self.phi.sin_cos();

@@ -1,5 +1,7 @@
 //! Symmetric linear equations along the closed belt, by elimination in order. The last unknowns are a border.
 
+use crate::belt::Vector;
+
 /// A x = b with A of rows `off[i − 1]`, `diagonal[i]`, `off[i]`; `off[n − 1]` couples the last unknown with the first.
 #[derive(Clone, Debug)]
 pub struct Tridiagonal {
@@ -9,7 +11,6 @@ pub struct Tridiagonal {
 
 impl Tridiagonal {
     /// For `n` ≥ 5 unknowns.
-    #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
             inverse: vec![0.0; n],
@@ -32,30 +33,30 @@ impl Tridiagonal {
         inverse[0] = 1.0 / diagonal[0];
         inverse[last - 1] = 1.0 / diagonal[last - 1];
         for k in 1..middle {
-            let factor = off[k - 1] * inverse[k - 1];
-            inverse[k] = 1.0 / (diagonal[k] - factor * off[k - 1]);
-            x[k] -= factor * x[k - 1];
-            border[k] -= factor * border[k - 1];
-            let i = last - 1 - k;
-            if i > middle {
-                let factor = off[i] * inverse[i + 1];
-                inverse[i] = 1.0 / (diagonal[i] - factor * off[i]);
-                x[i] -= factor * x[i + 1];
-                border[i] -= factor * border[i + 1];
+            for (i, from, off) in [(k, k - 1, off[k - 1]), (last - 1 - k, last - k, off[last - 1 - k])] {
+                if i == middle {
+                    continue;
+                }
+                let factor = off * inverse[from];
+                inverse[i] = 1.0 / (diagonal[i] - factor * off);
+                x[i] -= factor * x[from];
+                border[i] -= factor * border[from];
             }
         }
         let (left, right) = (off[middle - 1] * inverse[middle - 1], off[middle] * inverse[middle + 1]);
         inverse[middle] = 1.0 / (diagonal[middle] - left * off[middle - 1] - right * off[middle]);
-        x[middle] = (x[middle] - left * x[middle - 1] - right * x[middle + 1]) * inverse[middle];
-        border[middle] = (border[middle] - left * border[middle - 1] - right * border[middle + 1]) * inverse[middle];
+        for row in [&mut *x, &mut *border] {
+            row[middle] = (row[middle] - left * row[middle - 1] - right * row[middle + 1]) * inverse[middle];
+        }
         for k in 1..=middle {
-            let i = middle - k;
-            x[i] = (x[i] - off[i] * x[i + 1]) * inverse[i];
-            border[i] = (border[i] - off[i] * border[i + 1]) * inverse[i];
-            let i = middle + k;
-            if i < last {
-                x[i] = (x[i] - off[i - 1] * x[i - 1]) * inverse[i];
-                border[i] = (border[i] - off[i - 1] * border[i - 1]) * inverse[i];
+            for (i, from, off) in [
+                (middle - k, middle - k + 1, off[middle - k]),
+                (middle + k, middle + k - 1, off[middle + k - 1]),
+            ] {
+                if i < last {
+                    x[i] = (x[i] - off * x[from]) * inverse[i];
+                    border[i] = (border[i] - off * border[from]) * inverse[i];
+                }
             }
         }
         let pivot = diagonal[last] - off[last] * border[0] - off[last - 1] * border[last - 1];
@@ -72,17 +73,16 @@ impl Tridiagonal {
 pub struct Pentadiagonal {
     inverse: Vec<f64>,
     next: Vec<f64>,
-    border: Vec<[f64; 2]>,
+    border: Vec<Vector>,
 }
 
 impl Pentadiagonal {
     /// For `n` ≥ 7 unknowns.
-    #[must_use]
     pub fn new(n: usize) -> Self {
         Self {
             inverse: vec![0.0; n],
             next: vec![0.0; n],
-            border: vec![[0.0; 2]; n],
+            border: vec![Vector::default(); n],
         }
     }
 
@@ -93,26 +93,21 @@ impl Pentadiagonal {
         let (near, far) = (-4.0 * weight, weight);
         let (diagonal, x) = (&diagonal[..n], &mut x[..n]);
         let (inverse, next, border) = (&mut self.inverse[..n], &mut self.next[..n], &mut self.border[..n]);
-        border.fill([0.0; 2]);
-        border[0] = [far, near];
-        border[1] = [0.0, far];
-        border[m - 2] = [far, 0.0];
-        border[m - 1] = [near, far];
+        // Coefficients of the last two unknowns, p + iq.
+        border.fill(Vector::default());
+        (border[0], border[1]) = (Vector::new(far, near), Vector::new(0.0, far));
+        (border[m - 2], border[m - 1]) = (Vector::new(far, 0.0), Vector::new(near, far));
         // A = L D Lᵀ on the first m unknowns: L has m_i = `next` below its diagonal and far/D_i below that.
         let (mut lost, mut one, mut two) = (0.0, 0.0, 0.0);
         let mut before_two = 0.0;
         for i in 0..m {
             let inverted = 1.0 / (diagonal[i] + 6.0 * weight - lost - far * before_two);
             let coupling = near - far * one;
-            if i > 0 {
-                x[i] -= one * x[i - 1];
-                border[i][0] -= one * border[i - 1][0];
-                border[i][1] -= one * border[i - 1][1];
-            }
-            if i > 1 {
-                x[i] -= before_two * x[i - 2];
-                border[i][0] -= before_two * border[i - 2][0];
-                border[i][1] -= before_two * border[i - 2][1];
+            for (back, factor) in [(1, one), (2, before_two)] {
+                if i >= back {
+                    x[i] -= factor * x[i - back];
+                    border[i] -= factor * border[i - back];
+                }
             }
             (inverse[i], next[i]) = (inverted, coupling * inverted);
             (before_two, two) = (two, far * inverted);
@@ -120,41 +115,32 @@ impl Pentadiagonal {
             lost = coupling * one;
         }
         for i in (0..m).rev() {
-            let (one, two) = (next[i], far * inverse[i]);
             x[i] *= inverse[i];
-            border[i] = border[i].map(|value| value * inverse[i]);
-            if i + 1 < m {
-                x[i] -= one * x[i + 1];
-                border[i][0] -= one * border[i + 1][0];
-                border[i][1] -= one * border[i + 1][1];
-            }
-            if i + 2 < m {
-                x[i] -= two * x[i + 2];
-                border[i][0] -= two * border[i + 2][0];
-                border[i][1] -= two * border[i + 2][1];
+            border[i] *= inverse[i];
+            for (ahead, factor) in [(1, next[i]), (2, far * inverse[i])] {
+                if i + ahead < m {
+                    x[i] -= factor * x[i + ahead];
+                    border[i] -= factor * border[i + ahead];
+                }
             }
         }
-        // Rows of the last two unknowns, p and q.
+        // Rows of the last two unknowns.
         let of = |value: &dyn Fn(usize) -> f64| {
-            [
-                far * value(m - 2) + near * value(m - 1) + far * value(0),
-                far * value(m - 1) + near * value(0) + far * value(1),
-            ]
+            let [a, b, c, d] = [m - 2, m - 1, 0, 1].map(value);
+            [far * a + near * b + far * c, far * b + near * c + far * d]
         };
         let right = of(&|i| x[i]);
         let right = [x[m] - right[0], x[m + 1] - right[1]];
-        let columns = [0, 1].map(|k| of(&|i| border[i][k]));
+        let columns = [of(&|i| border[i].re), of(&|i| border[i].im)];
         let [pp, pq] = [diagonal[m] + 6.0 * weight - columns[0][0], near - columns[1][0]];
         let [qp, qq] = [near - columns[0][1], diagonal[m + 1] + 6.0 * weight - columns[1][1]];
         let determinant = pp * qq - pq * qp;
-        let end = [
-            (right[0] * qq - right[1] * pq) / determinant,
-            (right[1] * pp - right[0] * qp) / determinant,
-        ];
-        for (x, border) in x[..m].iter_mut().zip(&border[..m]) {
-            *x -= border[0] * end[0] + border[1] * end[1];
+        x[m] = (right[0] * qq - right[1] * pq) / determinant;
+        x[m + 1] = (right[1] * pp - right[0] * qp) / determinant;
+        let (inner, end) = x.split_at_mut(m);
+        for (x, border) in inner.iter_mut().zip(&border[..m]) {
+            *x -= border.re * end[0] + border.im * end[1];
         }
-        (x[m], x[m + 1]) = (end[0], end[1]);
     }
 }
 

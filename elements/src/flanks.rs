@@ -136,19 +136,11 @@ impl Flanks {
         let [sin_beta, cos_beta, tan_beta] = law.wedge;
         let middle = 0.5 * (law.axes[0] + law.axes[1]);
         let apart = -APART * law.unit_damped.roughness;
-        // Pitch radii beyond which nothing touches.
-        let reach = pulleys.map(|p| {
-            let widest = tan_beta - p.tilt[0].hypot(p.tilt[1]);
-            (0.5 * p.z + law.r0 * tan_beta - apart) / widest
-        });
         for (i, place) in belt.p.iter().enumerate().take(law.count + 1).skip(1) {
             let j = usize::from(place.re > middle);
             let p = &pulleys[j];
             let arm = place - law.axes[j];
             let square = arm.norm_sqr();
-            if square > reach[j] * reach[j] {
-                continue;
-            }
             let inverse = 1.0 / square.sqrt();
             let rho = square * inverse;
             let around = (arm * inverse).conj();

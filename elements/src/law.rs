@@ -130,13 +130,11 @@ impl Law {
     }
 
     /// Parameters of the pulleys.
-    #[must_use]
     pub fn pulleys(&self) -> [&PulleyParameters; 2] {
         [&self.parameters.secondary, &self.parameters.primary]
     }
 
     /// (Δt + η_κ) EI/h³, the slope of the ring's bending in a step of `dt`, N·s/m.
-    #[must_use]
     pub fn bending_slope(&self, dt: f64) -> f64 {
         let stiffness = self.parameters.ring.bending_stiffness;
         (dt + self.options.curvature_damping) * stiffness / self.thickness.powi(3)

@@ -30,7 +30,6 @@ macro_rules! rows {
 
         impl $name {
             /// For `n` elements.
-            #[must_use]
             pub fn new(n: usize) -> Self {
                 Self { $($row: vec![Default::default(); n + 2],)* }
             }

@@ -27,19 +27,16 @@ impl Ledger {
         loss.cones,loss.tilt";
 
     /// Sum of the works from outside.
-    #[must_use]
     pub fn work(&self) -> f64 {
         self.0[..4].iter().sum()
     }
 
     /// Sum of the losses.
-    #[must_use]
     pub fn losses(&self) -> f64 {
         self.0[4..].iter().sum()
     }
 
     /// What has been added since an earlier one.
-    #[must_use]
     pub fn since(&self, before: &Self) -> Self {
         Self(std::array::from_fn(|k| self.0[k] - before.0[k]))
     }
@@ -95,7 +92,6 @@ pub struct Machine {
 impl Machine {
     /// A machine whose elements are at the points of a closed line, in the order of travel, at rest; `s` of the nodes such that the steel
     /// has the same strain everywhere.
-    #[must_use]
     pub fn new(law: Law, dt: f64, points: impl Iterator<Item = Vector>) -> Self {
         let n = law.count;
         let mut machine = Self {
@@ -251,7 +247,6 @@ impl Machine {
     }
 
     /// Stored energy by part, J: motion of elements and ring, stack, stretch, bending, flanks, pulleys.
-    #[must_use]
     pub fn energies(&self) -> [f64; 6] {
         let (law, belt, ring) = (&self.law, &self.belt, &self.ring);
         let (of, contact) = (&law.parameters.ring, &law.parameters.contact);

@@ -104,7 +104,6 @@ impl Pulley {
     }
 
     /// Stored energy, J, without that of a shaft whose speed is given.
-    #[must_use]
     pub fn energy(&self, of: &PulleyParameters, shaft: Shaft) -> f64 {
         let inertia = if shaft == Shaft::Speed { 0.0 } else { of.inertia };
         let tilt = if of.tilt.is_rigid() {
@@ -116,7 +115,6 @@ impl Pulley {
     }
 
     /// Whether the cone is beyond an end stop.
-    #[must_use]
     pub fn is_at_stop(&self, of: &PulleyParameters, r0: f64, tan_beta: f64) -> bool {
         let travel = Travel::new((of.min_radius, of.max_radius), r0, tan_beta);
         !(travel.open..=travel.closed).contains(&self.z)

@@ -54,25 +54,21 @@ const COLUMNS: &str = "time,ratio,thrustRatio,slip,efficiency,secondary.axialFor
 
 impl Row {
     /// r_S/r_P of the running mean radii.
-    #[must_use]
     pub fn ratio(&self) -> f64 {
         self.means[1][0] / self.means[1][1]
     }
 
     /// Axial force of the belt, primary over secondary.
-    #[must_use]
     pub fn thrust_ratio(&self) -> f64 {
         self.means[0][1] / self.means[0][0]
     }
 
     /// 1 − (ω_S/ω_P)(r_S/r_P), with the running mean radii.
-    #[must_use]
     pub fn slip(&self) -> f64 {
         1.0 - self.means[2][0] / self.means[2][1] * self.ratio()
     }
 
     /// Power of the belt on the driven pulley over that of the driving one; 0 where little flows.
-    #[must_use]
     pub fn efficiency(&self) -> f64 {
         let [s, p] = [0, 1].map(|j| self.means[3][j] * self.means[2][j]);
         let (from, to) = (-s.min(p), s.max(p));
@@ -85,19 +81,16 @@ impl Row {
     }
 
     /// The same over the energy that passes.
-    #[must_use]
     pub fn residual(&self) -> f64 {
         self.surplus() / self.ledger.0[0].abs().max(self.ledger.0[1].abs())
     }
 
     /// The same over the losses.
-    #[must_use]
     pub fn residual_of_losses(&self) -> f64 {
         self.surplus() / self.ledger.losses()
     }
 
     /// The mean of rows.
-    #[must_use]
     pub fn mean(rows: &[Self]) -> Self {
         let count = rows.len() as f64;
         let push_force = NONE;
@@ -120,7 +113,6 @@ impl Row {
     }
 
     /// The columns of [`header`].
-    #[must_use]
     pub fn line(&self) -> String {
         let ratios = [
             self.time,
@@ -168,7 +160,6 @@ fn short(value: f64) -> String {
 }
 
 /// Names of all columns.
-#[must_use]
 pub fn header() -> String {
     format!("{COLUMNS},{}", Ledger::NAMES)
 }
@@ -216,7 +207,6 @@ impl Run {
     }
 
     /// Whether its time is over.
-    #[must_use]
     pub fn is_done(&self) -> bool {
         self.machine.time >= self.case.duration() - 0.5 * self.machine.dt
     }
@@ -313,14 +303,12 @@ impl Run {
     }
 
     /// The line on which elements are in the present interval of time, for their place along the belt.
-    #[must_use]
     pub fn path(&self) -> Path {
         let radii = self.rows.last().map_or([f64::NAN; 2], |row| row.means[1]);
         Path::new(self.machine.law.axes[1], radii)
     }
 
     /// The mean of the last part of the run.
-    #[must_use]
     pub fn result(&self) -> Row {
         Row::mean(self.last(1))
     }
@@ -362,7 +350,6 @@ impl Run {
     }
 
     /// Fields along the belt, CSV: place, m, and of each field mean and standard deviation over the elements that passed.
-    #[must_use]
     pub fn fields_csv(&self) -> String {
         let length = self.path().length();
         let lines = self.fields.iter().enumerate().map(|(k, sum)| {
@@ -378,7 +365,6 @@ impl Run {
 
     /// The idle arcs of S and P, rad: from the entry on, up to where the push force has changed by 10 % of its difference between
     /// the strands from that of the strand before.
-    #[must_use]
     pub fn idle_arcs(&self) -> [f64; 2] {
         let path = self.path();
         let per_place = path.length() / PLACES as f64;
@@ -410,7 +396,6 @@ impl Run {
     }
 
     /// Rows so far, CSV.
-    #[must_use]
     pub fn rows_csv(&self) -> String {
         let lines = self.rows.iter().map(|row| row.line() + "\n");
         format!("{}\n{}", header(), lines.collect::<String>())

@@ -30,7 +30,6 @@ pub struct Oil {
 
 impl Oil {
     /// Oil with the viscosity `eta`, Pa·s, between faces of `sides`, m, that it fills to the share `fill`.
-    #[must_use]
     pub fn between_faces(eta: f64, sides: [f64; 2], fill: f64, floor: f64) -> Self {
         let [a, b] = [sides[0].min(sides[1]), sides[0].max(sides[1])];
         Self {
@@ -41,7 +40,6 @@ impl Oil {
     }
 
     /// Oil with the force `squeeze`, N·s, per rate of strain of elements of `thickness` at zero gap.
-    #[must_use]
     pub fn of_squeeze(squeeze: f64, floor: f64, thickness: f64, suction: f64) -> Self {
         Self {
             constant: squeeze / thickness * floor.powi(3),
@@ -132,7 +130,6 @@ impl Stack {
     }
 
     /// Elastic energy of a gap whose chord has this length, m: J.
-    #[must_use]
     pub fn energy(law: &Law, length: f64) -> f64 {
         law.push_stiffness * soft_plus_energy(law.thickness - length, law.parameters.belt.roughness)
     }
