@@ -9,6 +9,7 @@ use pushbelt_archive::Archive;
 use pushbelt_elements::case::Case;
 use pushbelt_elements::law::Options;
 use pushbelt_elements::run::{Run, header};
+use std::error::Error;
 use std::fs;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -69,44 +70,51 @@ fn main() -> ExitCode {
     if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-fn case(arguments: &Arguments, name: &str) -> Result<Case, String> {
-    let mut case = Case::named(name).map_err(|error| error.to_string())?;
+fn case(arguments: &Arguments, name: &str) -> Result<Case, Box<dyn Error>> {
+    let mut case = Case::named(name)?;
     if let Some(label) = &arguments.label {
         case.name = format!("{name}-{label}");
     }
     case.options = arguments.options.clone();
     for setting in &arguments.settings {
-        let (name, value) = setting
-            .split_once('=')
-            .ok_or_else(|| format!("--set {setting}: NAME=VALUE is expected"))?;
+        let error = |cause: String| format!("--set {setting}: {cause}");
+        let parts = setting.split_once('=');
+        let (name, value) = parts.ok_or_else(|| error("NAME=VALUE is expected".to_owned()))?;
         let found = parameters::<_, ()>().find(|one| one.name() == name);
-        let variable = found
-            .ok_or_else(|| format!("--set {setting}: the FMU has no parameter {name}"))?
-            .variable();
+        let found = found.ok_or_else(|| error(format!("the FMU has no parameter {name}")))?;
+        let variable = found.variable();
         let given = match variable.kind {
             Kind::Real { .. } => value.parse().map(Value::Real).ok(),
             Kind::Integer { .. } | Kind::Enumeration { .. } => value.parse().map(Value::Integer).ok(),
             Kind::Boolean { .. } => value.parse().map(Value::Boolean).ok(),
         };
-        let given = given.ok_or_else(|| format!("--set {setting}: {value} is no value of {name}"))?;
+        let given = given.ok_or_else(|| error(format!("{value} is no value of {name}")))?;
         variable.set(&mut case.parameters, given)?;
     }
     Ok(case)
 }
 
 /// Runs a case, or what is left of it.
-fn one(arguments: &Arguments, name: &str) -> Result<(), String> {
+fn one(arguments: &Arguments, name: &str) -> Result<(), Box<dyn Error>> {
     let case = case(arguments, name)?;
+    let results = |name: &str| arguments.results.clone().unwrap_or_else(|| arguments.output.join(name));
     if arguments.continuum {
-        return other_side(arguments, &case);
+        for model in continuum::MODELS {
+            let name = format!("{},{}", case.name, model.0);
+            match continuum::line(&case, model) {
+                Ok(line) => {
+                    println!("{name},{line}");
+                    let header = format!("case,model,{}", continuum::COLUMNS);
+                    add_line(&results("continuum.csv"), &header, &name, &line)?;
+                }
+                Err(error) => eprintln!("{name}: {error}"),
+            }
+        }
+        return Ok(());
     }
-    let folder = &arguments.output;
-    let io = |error: std::io::Error| format!("{}: {error}", folder.display());
-    fs::create_dir_all(folder).map_err(io)?;
-    let file = |suffix: &str| folder.join(format!("{}{suffix}", case.name));
-    let settings = format!("{case:?}");
-    let mut run = Run::new(case.clone()).map_err(|error| error.to_string())?;
-    let stored = file(".state");
+    let file = |suffix: &str| arguments.output.join(format!("{}{suffix}", case.name));
+    let (stored, settings) = (file(".state"), format!("{case:?}"));
+    let mut run = Run::new(case.clone())?;
     if !arguments.restart
         && let Some(again) = read(&run, &stored, &settings)
     {
@@ -117,26 +125,26 @@ fn one(arguments: &Arguments, name: &str) -> Result<(), String> {
     let mut outcome = Ok(());
     while !run.is_done() && outcome.is_ok() {
         outcome = run.advance(arguments.store);
-        fs::write(file(".csv"), run.rows_csv()).map_err(io)?;
+        write(&file(".csv"), run.rows_csv())?;
         if outcome.is_ok() {
-            write_state(&mut run, &stored, &settings).map_err(io)?;
+            let mut archive = Archive::writer();
+            run.serialize(&mut archive);
+            write(&stored, [settings.as_bytes(), &archive.into_bytes()].concat())?;
         }
-        progress(&run, (run.steps - from) as f64, clock.elapsed().as_secs_f64());
+        progress(&run, (run.steps - from) as f64 / clock.elapsed().as_secs_f64());
     }
     if std::io::stderr().is_terminal() {
         eprintln!();
     }
-    outcome.map_err(|fault| fault.to_string())?;
-    fs::write(file("-fields.csv"), run.fields_csv()).map_err(io)?;
-    let result = run.result();
-    let [idle_s, idle_p] = run.idle_arcs();
-    let path = arguments.results.clone().unwrap_or_else(|| folder.join("results.csv"));
-    let line = format!("{},{},{idle_s:.3},{idle_p:.3}", case.name, result.line());
+    outcome?;
+    write(&file("-fields.csv"), run.fields_csv())?;
+    let (result, [idle_s, idle_p]) = (run.result(), run.idle_arcs());
+    let line = format!("{},{idle_s:.3},{idle_p:.3}", result.line());
     let header = format!("case,{},secondary.idleArc,primary.idleArc", header());
-    add_line(&path, &header, &case.name, &line).map_err(io)?;
+    add_line(&results("results.csv"), &header, &case.name, &line)?;
     println!(
-        "{}: ratio {:.4}, thrust ratio {:.4}, slip {:.4} %, efficiency {:.3} %, idle arcs S {idle_s:.2}, P {idle_p:.2} rad, push \
-         force {:.1} to {:.0} N, energy to {:.4} % of what passes",
+        "{}: ratio {:.4}, thrust ratio {:.4}, slip {:.4} %, efficiency {:.3} %, idle arcs S {idle_s:.2}, \
+         P {idle_p:.2} rad, push force {:.1} to {:.0} N, energy to {:.4} % of what passes",
         case.name,
         result.ratio(),
         result.thrust_ratio(),
@@ -146,78 +154,46 @@ fn one(arguments: &Arguments, name: &str) -> Result<(), String> {
         result.push_force[1],
         100.0 * result.residual(),
     );
-    run.check_steady().map_err(|fault| fault.to_string())
+    Ok(run.check_steady()?)
 }
 
-/// Lines of the FMU's model.
-fn other_side(arguments: &Arguments, case: &Case) -> Result<(), String> {
-    let path = arguments
-        .results
-        .clone()
-        .unwrap_or_else(|| arguments.output.join("continuum.csv"));
-    for model in continuum::MODELS {
-        let name = format!("{},{}", case.name, model.0);
-        match continuum::line(case, model) {
-            Ok(line) => {
-                let line = format!("{name},{line}");
-                println!("{line}");
-                let header = format!("case,model,{}", continuum::COLUMNS);
-                add_line(&path, &header, &name, &line).map_err(|error| format!("{}: {error}", path.display()))?;
-            }
-            Err(error) => eprintln!("{name}: {error}"),
-        }
-    }
-    Ok(())
-}
-
-fn progress(run: &Run, steps: f64, seconds: f64) {
-    let share = run.machine.time / run.case.duration();
-    let speed = steps * run.machine.law.count as f64 / seconds;
-    let left = (run.case.duration() - run.machine.time) / run.machine.dt * run.machine.law.count as f64 / speed;
+fn progress(run: &Run, steps_per_second: f64) {
+    let (machine, duration) = (&run.machine, run.case.duration());
+    let (time, percent) = (machine.time, 100.0 * machine.time / duration);
+    let speed = steps_per_second * machine.law.count as f64;
+    let left = (duration - time) / machine.dt / steps_per_second;
     let last = if std::io::stderr().is_terminal() { "\r" } else { "\n" };
-    eprint!(
-        "{} {:3.0} %, {:.4} s, {speed:.2e} element steps a second, {left:.0} s left   {last}",
-        run.case.name,
-        100.0 * share,
-        run.machine.time
-    );
+    let name = &run.case.name;
+    eprint!("{name} {percent:3.0} %, {time:.4} s, {speed:.2e} element steps a second, {left:.0} s left   {last}");
     let _ = std::io::stderr().flush();
 }
 
 /// The run that a file holds; none if there is no file, or it is of other settings.
 fn read(start: &Run, path: &Path, settings: &str) -> Option<Run> {
     let bytes = fs::read(path).ok()?;
-    let rest = bytes.strip_prefix(settings.as_bytes())?;
+    let mut archive = Archive::reader(bytes.strip_prefix(settings.as_bytes())?);
     let mut run = start.clone();
-    let mut archive = Archive::reader(rest);
     run.serialize(&mut archive);
     archive.finish().ok()?;
     Some(run)
 }
 
-fn write_state(run: &mut Run, path: &Path, settings: &str) -> std::io::Result<()> {
-    let mut archive = Archive::writer();
-    run.serialize(&mut archive);
-    let bytes = [settings.as_bytes(), &archive.into_bytes()].concat();
-    // At once, so that an interrupted run leaves the state before.
+/// Writes a file at once, so that an interrupted run leaves the one before.
+fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
     let part = path.with_extension("part");
-    fs::write(&part, bytes)?;
-    fs::rename(part, path)
+    fs::create_dir_all(path.parent().unwrap_or(path))
+        .and_then(|()| fs::write(&part, bytes))
+        .and_then(|()| fs::rename(part, path))
+        .map_err(|error| format!("{}: {error}", path.display()))
 }
 
 /// Adds a line, or replaces that of the same name, in a file with a header.
-fn add_line(path: &Path, header: &str, name: &str, line: &str) -> std::io::Result<()> {
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder)?;
-    }
+fn add_line(path: &Path, header: &str, name: &str, line: &str) -> Result<(), String> {
     let before = fs::read_to_string(path).unwrap_or_default();
-    let start = format!("{name},");
-    let mut lines: Vec<_> = before
-        .lines()
-        .skip(1)
-        .filter(|other| !other.starts_with(&start))
-        .collect();
-    lines.push(line);
+    let line = format!("{name},{line}");
+    let start = &line[..=name.len()];
+    let others = before.lines().skip(1).filter(|other| !other.starts_with(start));
+    let mut lines: Vec<_> = others.chain([&*line]).collect();
     lines.sort_unstable();
-    fs::write(path, format!("{header}\n{}\n", lines.join("\n")))
+    write(path, format!("{header}\n{}\n", lines.join("\n")))
 }

@@ -149,43 +149,6 @@ fn a_stored_run_goes_on_with_the_same_bits() {
 }
 
 #[test]
-fn bad_input_gets_one_line() {
-    for (change, expected) in [
-        ((|case: &mut Case| case.share = 1.2) as fn(&mut Case), "share"),
-        (|case| case.ratio = 9.0, "ratio"),
-        (|case| case.options.force = f64::NAN, "force"),
-        (|case| case.options.step = Some(1.0), "step"),
-        (|case| case.options.lever = Some(-1e-4), "lever"),
-        (|case| case.parameters.layers.count = 20, "lever"),
-        (
-            |case| case.parameters.belt.element_thickness = 0.09,
-            "belt.elementThickness",
-        ),
-        (|case| case.parameters.friction.pulley = 0.5, "friction.pulley"),
-    ] {
-        let mut case = Case::named("medium-0.4").unwrap();
-        change(&mut case);
-        let message = case.start().unwrap_err().to_string();
-        assert!(message.contains(expected) && !message.contains('\n'), "{message}");
-    }
-    assert!(Case::named("medium").is_err() && Case::named("wide-0.4").is_err());
-}
-
-#[test]
-fn a_step_that_is_too_large_ends_with_element_time_and_cause() {
-    let mut case = short("medium-0.4", 0.05);
-    case.options.step = Some(5.0e-5);
-    let mut run = Run::new(case).unwrap();
-    let fault = run.advance(u64::MAX).unwrap_err();
-    let text = fault.to_string();
-    assert!(
-        fault.element >= 1 && fault.time > 0.0 && text.contains("step"),
-        "{text}"
-    );
-    assert!(run.rows_csv().lines().count() == 1 + run.rows.len());
-}
-
-#[test]
 fn an_element_that_leaves_the_belt_is_named() {
     let mut machine = short("medium-0.4", 0.01).start().unwrap();
     machine.check().unwrap();

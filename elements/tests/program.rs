@@ -47,19 +47,31 @@ fn a_run_goes_on_where_it_was_stored_and_ends_with_the_same_files() {
 #[test]
 fn bad_input_is_one_line_and_no_run() {
     let place = folder("bad");
-    for (words, expected) in [
-        (&["medium-1.5"][..], "share = 1.5"),
-        (&["flat-0.4"], "RATIO-SHARE"),
-        (&["medium-0.4", "--set", "belt.plai=1"], "belt.plai"),
-        (&["medium-0.4", "--set", "belt.play"], "NAME=VALUE"),
-        (&["medium-0.4", "--set", "belt.play=much"], "much"),
-        (&["medium-0.4", "--set", "ring.layers=1.5"], "1.5"),
-        (&["medium-0.4", "--set", "ring.layers=30"], "lever"),
-        (&["medium-0.4", "--set", "belt.play=-1"], "belt.play"),
-        (&["medium-0.4", "--step", "1"], "step"),
-        (&["medium-0.4", "--film", "0"], "film"),
+    for (name, word, expected) in [
+        ("medium-1.5", "", "share = 1.5"),
+        ("flat-0.4", "", "RATIO-SHARE"),
+        ("medium", "", "RATIO-SHARE"),
+        ("9-0.4", "", "ratio"),
+        ("medium-0.4", "--set=belt.plai=1", "belt.plai"),
+        ("medium-0.4", "--set=belt.play", "NAME=VALUE"),
+        ("medium-0.4", "--set=belt.play=much", "much"),
+        ("medium-0.4", "--set=ring.layers=1.5", "1.5"),
+        ("medium-0.4", "--set=ring.layers=30", "lever"),
+        ("medium-0.4", "--set=ring.layers=20", "lever"),
+        ("medium-0.4", "--set=belt.play=-1", "belt.play"),
+        (
+            "medium-0.4",
+            "--set=belt.elementThickness=0.09",
+            "belt.elementThickness",
+        ),
+        ("medium-0.4", "--set=friction.pulley=0.5", "friction.pulley"),
+        ("medium-0.4", "--lever=-1e-4", "lever"),
+        ("medium-0.4", "--force=NaN", "force"),
+        ("medium-0.4", "--step=1", "step"),
+        ("medium-0.4", "--film=0", "film"),
     ] {
-        let (output, errors) = run(&place, words);
+        let words = if word.is_empty() { vec![name] } else { vec![name, word] };
+        let (output, errors) = run(&place, &words);
         assert!(
             !output.status.success() && errors.contains(expected),
             "{words:?}: {errors}"
@@ -72,16 +84,14 @@ fn bad_input_is_one_line_and_no_run() {
 #[test]
 fn a_failure_keeps_the_results_so_far() {
     let place = folder("fails");
-    let (output, errors) = run(
-        &place,
-        &["medium-0.4", "--duration", "0.05", "--step", "5e-5", "--store", "20"],
-    );
+    let words = ["medium-0.4", "--duration", "0.05", "--step", "5e-5", "--store", "20"];
+    let (output, errors) = run(&place, &words);
     let last = errors.lines().last().unwrap();
     assert!(
         !output.status.success() && last.starts_with("medium-0.4: element "),
         "{errors}"
     );
-    assert!(last.contains(" s: "), "{last}");
+    assert!(last.contains(" s: ") && last.contains("step"), "{last}");
     let rows = fs::read_to_string(place.join("medium-0.4.csv")).unwrap();
     assert!(rows.starts_with("time,ratio,thrustRatio"));
 }
