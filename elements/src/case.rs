@@ -1,4 +1,5 @@
-//! A case: a belt in a steady state, held at a ratio under a force of the secondary pulley and a share of the torque of full slip.
+//! A case: a belt in a steady state, held at a ratio under a force of the secondary pulley and a
+//! share of the torque of full slip.
 
 use crate::belt::Vector;
 use crate::law::{Law, Options};
@@ -43,7 +44,8 @@ const STEP_SPEED: f64 = 200.0;
 const MOST: f64 = 0.95;
 
 impl Case {
-    /// A case by its name: a ratio and a share, as `medium-0.4`, `od-0`; a ratio may be a number, as `1.02-0`.
+    /// A case by its name: a ratio and a share, as `medium-0.4`, `od-0`; a ratio may be a number,
+    /// as `1.02-0`.
     ///
     /// # Errors
     /// The name is none of these.
@@ -115,7 +117,8 @@ impl Case {
         self.share * full_slip_torque(&of.friction, cos_beta, self.options.force, radius)
     }
 
-    /// The unloaded machine at the start: elements with even gaps around arcs and strands, which turn without slip.
+    /// The unloaded machine at the start: elements with even gaps around arcs and strands, which
+    /// turn without slip.
     ///
     /// # Errors
     /// A value is out of its range.
@@ -142,8 +145,8 @@ impl Case {
         Ok(machine)
     }
 
-    /// Sets what acts on the pulleys at the machine's time: force and torque rise at the start, and the primary cone moves at
-    /// 20 1/s of the error of r_P.
+    /// Sets what acts on the pulleys at the machine's time: force and torque rise at the start, and
+    /// the primary cone moves at 20 1/s of the error of r_P.
     pub fn drive(&self, machine: &mut Machine) {
         let rise = |over: f64| (0.1 + machine.time / over).min(1.0);
         let [secondary, primary] = machine.loads.map(|load| load.weight[1] / load.weight[0]);
@@ -161,7 +164,8 @@ impl Case {
     }
 }
 
-/// The pitch line of an unloaded belt: arcs and strands, from the leftmost point of S on, clockwise.
+/// The pitch line of an unloaded belt: arcs and strands, from the leftmost point of S on,
+/// clockwise.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
     distance: f64,

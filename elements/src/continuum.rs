@@ -1,14 +1,16 @@
 //! The other side of a comparison: steady states of the FMU's model under the loads of a case.
 //!
-//! The laws are the same as far as parameters go: oil of the case, no viscosity of the stack, no friction between layers, no loss by turning
-//! elements. The lever of the ring's friction is the FMU's own.
+//! The laws are the same as far as parameters go: oil of the case, no viscosity of the stack, no
+//! friction between layers, no loss by turning elements. The lever of the ring's friction is the
+//! FMU's own.
 
 use pushbelt::variator::Variator;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, RingModel, StartState};
 use pushbelt_elements::case::Case;
 
 /// Names of the columns behind case and model.
-pub const COLUMNS: &str = "ratio,thrustRatio,slip,efficiency,primary.idleArc,secondary.idleArc,pushForceMax,loss.sheaves,loss.ring,loss.other";
+pub const COLUMNS: &str = "ratio,thrustRatio,slip,efficiency,primary.idleArc,secondary.idleArc,\
+    pushForceMax,loss.sheaves,loss.ring,loss.other";
 
 /// Ratios are met to this, in this many trials.
 const RATIO: f64 = 1.0e-4;

@@ -1,8 +1,10 @@
-//! Symmetric linear equations along the closed belt, by elimination in order. The last unknowns are a border.
+//! Symmetric linear equations along the closed belt, by elimination in order. The last unknowns are
+//! a border.
 
 use crate::belt::Vector;
 
-/// A x = b with A of rows `off[i − 1]`, `diagonal[i]`, `off[i]`; `off[n − 1]` couples the last unknown with the first.
+/// A x = b with A of rows `off[i − 1]`, `diagonal[i]`, `off[i]`; `off[n − 1]` couples the last
+/// unknown with the first.
 #[derive(Clone, Debug)]
 pub struct Tridiagonal {
     inverse: Vec<f64>,
@@ -18,14 +20,16 @@ impl Tridiagonal {
         }
     }
 
-    /// Solves with the right-hand side in `x`, which becomes the solution. The elimination goes from both ends to the middle at once,
-    /// since each row waits for the division of the row before it.
+    /// Solves with the right-hand side in `x`, which becomes the solution. The elimination goes
+    /// from both ends to the middle at once, since each row waits for the division of the row
+    /// before it.
     pub fn solve(&mut self, diagonal: &[f64], off: &[f64], x: &mut [f64]) {
         let n = self.inverse.len();
         let (diagonal, off, x) = (&diagonal[..n], &off[..n], &mut x[..n]);
         let (inverse, border) = (&mut self.inverse[..n], &mut self.border[..n]);
         let last = n - 1;
-        // Rows 0 to middle − 1 on one side, last − 1 to middle + 1 on the other, as many or one fewer.
+        // Rows 0 to middle − 1 on one side, last − 1 to middle + 1 on the other, as many or one
+        // fewer.
         let middle = last / 2;
         border.fill(0.0);
         border[0] = off[last];
@@ -68,7 +72,8 @@ impl Tridiagonal {
     }
 }
 
-/// A x = b with A = diag(`diagonal`) + `weight` (1, −4, 6, −4, 1), cyclic: a beam's bending on points of mass.
+/// A x = b with A = diag(`diagonal`) + `weight` (1, −4, 6, −4, 1), cyclic: a beam's bending on
+/// points of mass.
 #[derive(Clone, Debug)]
 pub struct Pentadiagonal {
     inverse: Vec<f64>,
@@ -97,7 +102,8 @@ impl Pentadiagonal {
         border.fill(Vector::default());
         (border[0], border[1]) = (Vector::new(far, near), Vector::new(0.0, far));
         (border[m - 2], border[m - 1]) = (Vector::new(far, 0.0), Vector::new(near, far));
-        // A = L D Lᵀ on the first m unknowns: L has m_i = `next` below its diagonal and far/D_i below that.
+        // A = L D Lᵀ on the first m unknowns: L has m_i = `next` below its diagonal and far/D_i
+        // below that.
         let (mut lost, mut one, mut two) = (0.0, 0.0, 0.0);
         let mut before_two = 0.0;
         for i in 0..m {

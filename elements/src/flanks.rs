@@ -1,16 +1,17 @@
 //! Contact of the elements with the sheaves: the law of [`pushbelt::contact`], at each element.
 //!
-//! An element has the length h of its thickness on each of its two flanks, at its rocking edge: penetration
-//! g = z/2 − (ϱ − r_0) tan β − w, opening by tilt w = ϱ (ψ_x cos θ + ψ_y sin θ), closing ġ, sliding v_t = v·e_t − ω ϱ and
-//! v_f = v·e_r cos β + (ż/2 − ẇ − ω ∂w/∂θ) sin β, as there; N and friction f from that law times h. In polar directions
+//! An element has the length h of its thickness on each of its two flanks, at its rocking edge:
+//! penetration g = z/2 − (ϱ − r_0) tan β − w, opening by tilt w = ϱ (ψ_x cos θ + ψ_y sin θ),
+//! closing ġ, sliding v_t = v·e_t − ω ϱ and v_f = v·e_r cos β + (ż/2 − ẇ − ω ∂w/∂θ) sin β, as
+//! there; N and friction f from that law times h. In polar directions
 //!
 //! F_r = 2 [N cos β (tan β + ∂w/∂ϱ) + f_f cos β], F_t = 2 [N cos β ∂w/∂θ/ϱ + f_t];
 //!
-//! on the pulley: axial force N cos β − f_f sin β on each sheave, its moment ϱ (cos θ, sin θ), torque −2 ϱ (f_t + f_f sin β
-//! ∂w/∂θ/ϱ).
+//! on the pulley: axial force N cos β − f_f sin β on each sheave, its moment ϱ (cos θ, sin θ),
+//! torque −2 ϱ (f_t + f_f sin β ∂w/∂θ/ϱ).
 //!
-//! In a step N is linear in ġ, with its damping, and friction is −c (v_t, v_f) with the secant c of the step before. What belt
-//! and pulley get are the forces at the speeds after the step.
+//! In a step N is linear in ġ, with its damping, and friction is −c (v_t, v_f) with the secant c of
+//! the step before. What belt and pulley get are the forces at the speeds after the step.
 
 use crate::belt::{Belt, Vector};
 use crate::law::Law;
@@ -208,7 +209,8 @@ impl Flanks {
     }
 }
 
-/// Components along e_r and e_t of a vector with components along t and o; the same function leads back.
+/// Components along e_r and e_t of a vector with components along t and o; the same function leads
+/// back.
 #[inline(always)]
 fn polar(turned: Vector, vector: Vector) -> Vector {
     vector.conj() * turned

@@ -16,23 +16,27 @@ pub struct Options {
     /// Ratio at the start [default: that of the case]
     #[arg(long)]
     pub start_ratio: Option<f64>,
-    /// Duration, s, whose last quarter is the result [default: 0.3, at both end ratios or below 100 rad/s 0.5]
+    /// Duration, s, whose last quarter is the result [default: 0.3, at both end ratios or below 100
+    /// rad/s 0.5]
     #[arg(long)]
     pub duration: Option<f64>,
-    /// Time step, s [default: 2e-6 at a primary speed of 200 rad/s, in proportion to 1/speed, at most 4e-6]
+    /// Time step, s [default: 2e-6 at a primary speed of 200 rad/s, in proportion to 1/speed, at
+    /// most 4e-6]
     #[arg(long)]
     pub step: Option<f64>,
     /// Oil: distance of rough faces in contact, m
     #[arg(long, default_value_t = 6.0e-6)]
     pub film: f64,
-    /// Oil: force per rate of strain at zero gap, N·s. 75 is a tenth of oil of 10 mPa·s between faces of 8 by 24 mm
+    /// Oil: force per rate of strain at zero gap, N·s. 75 is a tenth of oil of 10 mPa·s between
+    /// faces of 8 by 24 mm
     #[arg(long, default_value_t = 75.0)]
     pub squeeze: f64,
-    /// Lever of the ring's friction, m: distance from the rocking edge out to the middle of the innermost layer
-    /// [default: e − (n − 1) t/2 of the layers]
+    /// Lever of the ring's friction, m: distance from the rocking edge out to the middle of the
+    /// innermost layer [default: e − (n − 1) t/2 of the layers]
     #[arg(long)]
     pub lever: Option<f64>,
-    /// Contact force of ring and element up to which it has no friction, N: what a strand's vibration rectifies is below 2
+    /// Contact force of ring and element up to which it has no friction, N: what a strand's
+    /// vibration rectifies is below 2
     #[arg(long, default_value_t = 0.0)]
     pub contact_threshold: f64,
     /// Damping time of the ring's curvature, s

@@ -1,8 +1,9 @@
 //! A belt of single elements on two pulleys, and its step in time.
 //!
-//! A step is linearly implicit, in three sets of equations along the belt: speeds w of the steel (tridiagonal), V of the
-//! elements along the belt (tridiagonal), U across it (the beam's five diagonals). Contact, dampings, oil and friction are linear in the
-//! speeds after the step; each pair of bodies gets the same force.
+//! A step is linearly implicit, in three sets of equations along the belt: speeds w of the steel
+//! (tridiagonal), V of the elements along the belt (tridiagonal), U across it (the beam's five
+//! diagonals). Contact, dampings, oil and friction are linear in the speeds after the step; each
+//! pair of bodies gets the same force.
 
 use crate::belt::{Belt, Vector, close, cross};
 use crate::cyclic::{Pentadiagonal, Tridiagonal};
@@ -90,8 +91,8 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// A machine whose elements are at the points of a closed line, in the order of travel, at rest; `s` of the nodes such that the steel
-    /// has the same strain everywhere.
+    /// A machine whose elements are at the points of a closed line, in the order of travel, at
+    /// rest; `s` of the nodes such that the steel has the same strain everywhere.
     pub fn new(law: Law, dt: f64, points: impl Iterator<Item = Vector>) -> Self {
         let n = law.count;
         let mut machine = Self {
@@ -102,7 +103,7 @@ impl Machine {
             stack: Stack::new(n),
             flanks: Flanks::default(),
             pulleys: [Pulley::default(); 2],
-            drive: [(Shaft::Torque(0.0), Cone::Held); 2],
+            drive: [(Shaft::Torque(0.0), Cone::Speed(0.0)); 2],
             loads: [Load::default(); 2],
             ledger: Ledger::default(),
             changes: (vec![0.0; n + 2], vec![Vector::default(); n + 2]),
@@ -246,7 +247,8 @@ impl Machine {
         }
     }
 
-    /// Stored energy by part, J: motion of elements and ring, stack, stretch, bending, flanks, pulleys.
+    /// Stored energy by part, J: motion of elements and ring, stack, stretch, bending, flanks,
+    /// pulleys.
     pub fn energies(&self) -> [f64; 6] {
         let (law, belt, ring) = (&self.law, &self.belt, &self.ring);
         let (of, contact) = (&law.parameters.ring, &law.parameters.contact);
@@ -273,7 +275,8 @@ impl Machine {
     /// Checks the state.
     ///
     /// # Errors
-    /// An element has left the belt, a gap is wider than an element is thick, the step was too large, or a cone is at its stop.
+    /// An element has left the belt, a gap is wider than an element is thick, the step was too
+    /// large, or a cone is at its stop.
     pub fn check(&self) -> Result<(), Fault> {
         let (law, belt, time, dt) = (&self.law, &self.belt, self.time, self.dt);
         let fault = |element, cause| Err(Fault { element, time, cause });
@@ -292,7 +295,7 @@ impl Machine {
             }
         }
         for (j, (name, of)) in ["secondary", "primary"].into_iter().zip(law.pulleys()).enumerate() {
-            if self.pulleys[j].is_at_stop(of, law.r0, law.wedge[2]) && self.drive[j].1 != Cone::Held {
+            if self.pulleys[j].is_at_stop(of, law.r0, law.wedge[2]) && self.drive[j].1 != Cone::Speed(0.0) {
                 // The element in the middle of the arc.
                 let outward = |i: &usize| (2.0 * j as f64 - 1.0) * belt.p[*i].re;
                 let at = (1..=law.count).max_by(|a, b| outward(a).total_cmp(&outward(b)));

@@ -18,15 +18,16 @@ use std::time::Instant;
 
 /// Runs a belt of single elements, in steady states held at a ratio.
 ///
-/// A case is RATIO-SHARE: a geometric ratio (low, under, medium, over, od or a number), and the torque over that of full slip. `short` is
-/// the set medium-0.4, medium-0.6, od-0.6, od-0.
+/// A case is RATIO-SHARE: a geometric ratio (low, under, medium, over, od or a number), and the
+/// torque over that of full slip. `short` is the set medium-0.4, medium-0.6, od-0.6, od-0.
 #[derive(clap::Parser)]
 #[command(name = "cargo fmu elements", bin_name = "cargo fmu elements")]
 struct Arguments {
     /// Cases, as medium-0.4
     #[arg(required = true)]
     cases: Vec<String>,
-    /// Folder of the results: CASE.csv (each millisecond), CASE-fields.csv (along the belt), results.csv (a line a case)
+    /// Folder of the results: CASE.csv (each millisecond), CASE-fields.csv (along the belt),
+    /// results.csv (a line a case)
     #[arg(long, default_value = "target/elements", overrides_with = "output")]
     output: PathBuf,
     /// The file of the lines, a line a case; a line of the same case and settings is replaced
@@ -40,7 +41,8 @@ struct Arguments {
     /// A word in the names of the files and lines
     #[arg(long)]
     label: Option<String>,
-    /// Solve the cases with the FMU's model instead, on two meshes and with `ALE0`, and write the lines to continuum.csv
+    /// Solve the cases with the FMU's model instead, on two meshes and with `ALE0`, and write the
+    /// lines to continuum.csv
     #[arg(long)]
     continuum: bool,
     /// Start again, also where a stored state could go on
@@ -163,8 +165,8 @@ fn progress(run: &Run, steps_per_second: f64) {
     let speed = steps_per_second * machine.law.count as f64;
     let left = (duration - time) / machine.dt / steps_per_second;
     let last = if std::io::stderr().is_terminal() { "\r" } else { "\n" };
-    let name = &run.case.name;
-    eprint!("{name} {percent:3.0} %, {time:.4} s, {speed:.2e} element steps a second, {left:.0} s left   {last}");
+    eprint!("{} {percent:3.0} %, {time:.4} s, ", run.case.name);
+    eprint!("{speed:.2e} element steps a second, {left:.0} s left   {last}");
     let _ = std::io::stderr().flush();
 }
 

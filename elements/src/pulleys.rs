@@ -1,8 +1,9 @@
 //! Shafts, cones and their tilt.
 //!
-//! J ω̇ = T + torque of the belt − drag; m_z z̈ = F − axial force − d_z ż; tilt of a sheave (M/a)(ψ + τ ψ̇) = moment, by
-//! [`pushbelt::tilt`]. The last is implicit in ψ̇, since the contact is stiffer than the sheave. Both sheaves of a pulley tilt alike.
-//! Cylinders, seals and the springs of end stops are not in this model: a cone that reaches an end stop ends the run.
+//! J ω̇ = T + torque of the belt − drag; m_z z̈ = F − axial force − d_z ż; tilt of a sheave (M/a)(ψ
+//! + τ ψ̇) = moment, by [`pushbelt::tilt`]. The last is implicit in ψ̇, since the contact is
+//! stiffer than the sheave. Both sheaves of a pulley tilt alike. Cylinders, seals and the springs
+//! of end stops are not in this model: a cone that reaches an end stop ends the run.
 
 use crate::flanks::Load;
 use pushbelt::pulley::Travel;
@@ -35,21 +36,19 @@ pub enum Shaft {
 /// What acts on a cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cone {
-    /// It stands.
-    Held,
     /// A closing force, N.
     Force(f64),
-    /// It moves at this speed, m/s, whatever force that takes.
+    /// It moves at this speed, m/s, or stands, whatever force that takes.
     Speed(f64),
 }
 
 impl Pulley {
-    /// A step under the belt's load. Returns works and losses, J: at the shaft, on the cone, by drag of the shaft, damping of the
-    /// cone, relaxation of the tilt.
-    pub fn step(&mut self, of: &PulleyParameters, load: &Load, (shaft, cone): (Shaft, Cone), dt: f64) -> [f64; 5] {
+    /// A step under the belt's load. Returns works and losses, J: at the shaft, on the cone, by
+    /// drag of the shaft, damping of the cone, relaxation of the tilt.
+    pub fn step(&mut self, of: &PulleyParameters, load: &Load, drive: (Shaft, Cone), dt: f64) -> [f64; 5] {
         let drag = of.drag.at(self.omega, [load.resultant.re, load.resultant.im]).torque;
         let before = self.omega;
-        let torque = match shaft {
+        let torque = match drive.0 {
             Shaft::Speed => drag - load.torque,
             Shaft::Torque(torque) => {
                 self.omega += dt / of.inertia * (torque + load.torque - drag);
@@ -58,15 +57,15 @@ impl Pulley {
         };
         let omega = 0.5 * (before + self.omega);
         let before = self.z_dot;
-        self.z_dot = match cone {
-            Cone::Held => 0.0,
+        self.z_dot = match drive.1 {
             Cone::Speed(speed) => speed,
             Cone::Force(force) => {
                 let inertia = of.sheave_mass / dt;
                 (inertia * before + force - load.axial) / (inertia + of.sheave_damping)
             }
         };
-        let closing = load.axial + of.sheave_damping * self.z_dot + of.sheave_mass / dt * (self.z_dot - before);
+        let damping = of.sheave_damping * self.z_dot;
+        let closing = load.axial + damping + of.sheave_mass / dt * (self.z_dot - before);
         let middle = 0.5 * (before + self.z_dot);
         self.z += dt * self.z_dot;
         [

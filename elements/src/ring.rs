@@ -1,17 +1,20 @@
 //! The ring: one node an element, which slides along the steel.
 //!
-//! Node i is at c_i = p_i + e o_i and at the place S_i of the steel, Ṡ_i = (V_i + e Ω_i − w_i)/λ_i, where w is the speed of the
-//! steel along t and λ its stretch. Across, the steel moves with its element. With the chords r_i from c_i to c_{i+1}, of length R_i,
-//! the normals n_i inward of them, ΔS_i = S_{i+1} − S_i, and the steel's velocity w t + U o, in which D is a rate:
+//! Node i is at c_i = p_i + e o_i and at the place S_i of the steel, Ṡ_i = (V_i + e Ω_i − w_i)/λ_i,
+//! where w is the speed of the steel along t and λ its stretch. Across, the steel moves with its
+//! element. With the chords r_i from c_i to c_{i+1}, of length R_i, the normals n_i inward of them,
+//! ΔS_i = S_{i+1} − S_i, and the steel's velocity w t + U o, in which D is a rate:
 //!
-//! - tension T_i = EA (ε + η Dε), ε = R_i/ΔS_i − 1, moment M_i = EI (κ + η_κ Dκ), κ_i the angle from r_{i−1} to r_i over
-//!   ½(ΔS_{i−1} + ΔS_i),
-//! - force on node i: F_i = T_i r_i − T_{i−1} r_{i−1} + X_{i−1} n_{i−1} − X_i n_i, shear X_i = (M_{i+1} − M_i)/R_i,
+//! - tension T_i = EA (ε + η Dε), ε = R_i/ΔS_i − 1, moment M_i = EI (κ + η_κ Dκ), κ_i the angle
+//!   from r_{i−1} to r_i over ½(ΔS_{i−1} + ΔS_i),
+//! - force on node i: F_i = T_i r_i − T_{i−1} r_{i−1} + X_{i−1} n_{i−1} − X_i n_i, shear X_i =
+//!   (M_{i+1} − M_i)/R_i,
 //! - along the belt m_i (ẇ + U Ω) = F·t − q; across, F·o and the inertia m_i act on the element,
-//! - the true contact force N = −F·o − m_i w Ω_r, which is T κ − EI κ'' − m_r w² κ, with the turning Ω_r = Ω − Ṡ κ of the
-//!   steel,
-//! - friction of the ring on the element at the lever e_1: q = μ_r ⟨N − N_0⟩ s/√(s² + v_0²), s = w − V − e_1 Ω, N_0 = 0. Its couple e_1 q about
-//!   the rocking edge acts on both neighbours, ∓(e_1 q/2h) o_i, since they orient the element.
+//! - the true contact force N = −F·o − m_i w Ω_r, which is T κ − EI κ'' − m_r w² κ, with the
+//!   turning Ω_r = Ω − Ṡ κ of the steel,
+//! - friction of the ring on the element at the lever e_1: q = μ_r ⟨N − N_0⟩ s/√(s² + v_0²), s = w
+//!   − V − e_1 Ω, N_0 = 0. Its couple e_1 q about the rocking edge acts on both neighbours, ∓(e_1
+//!   q/2h) o_i, since they orient the element.
 //!
 //! All layers have the same mean speed. What layers lose on each other is not in this model.
 //! Left out: Ṡ ∂w/∂S beside ẇ.
@@ -114,7 +117,8 @@ impl Ring {
         }
     }
 
-    /// The equations of w: m/Δt + slopes and friction on the `diagonal`, F·t − m U Ω_r − q on the right.
+    /// The equations of w: m/Δt + slopes and friction on the `diagonal`, F·t − m U Ω_r − q on the
+    /// right.
     pub fn rows(&self, law: &Law, dt: f64, belt: &Belt, rows: [&mut [f64]; 3]) {
         let (n, per_step) = (law.count, 1.0 / dt);
         let [diagonal, off, right] = rows.map(|row| &mut row[..n]);

@@ -1,4 +1,5 @@
-//! A run of a case: means over milliseconds, fields along the belt, and a state from which it goes on.
+//! A run of a case: means over milliseconds, fields along the belt, and a state from which it goes
+//! on.
 
 use crate::case::{Case, Path};
 use crate::machine::{Fault, Ledger, Machine};
@@ -21,7 +22,8 @@ const FIELD_COLUMNS: &str = "position,pushForce,pushForce.spread,gap,gap.spread,
 const RESULT: f64 = 0.25;
 /// Slip beyond which the belt slips through.
 const THROUGH: f64 = 0.2;
-/// Change of the thrust ratio, relative, or of the slip between the last two parts beyond which a state is not steady.
+/// Change of the thrust ratio, relative, or of the slip between the last two parts beyond which a
+/// state is not steady.
 const STEADY: [f64; 2] = [0.01, 2.0e-3];
 /// Share of the difference of the strands' push forces by which an idle arc ends, as in the FMU.
 const IDLE_CHANGE: f64 = 0.1;
@@ -302,7 +304,8 @@ impl Run {
         Ok(())
     }
 
-    /// The line on which elements are in the present interval of time, for their place along the belt.
+    /// The line on which elements are in the present interval of time, for their place along the
+    /// belt.
     pub fn path(&self) -> Path {
         let radii = self.rows.last().map_or([f64::NAN; 2], |row| row.means[1]);
         Path::new(self.machine.law.axes[1], radii)
@@ -349,7 +352,8 @@ impl Run {
         })
     }
 
-    /// Fields along the belt, CSV: place, m, and of each field mean and standard deviation over the elements that passed.
+    /// Fields along the belt, CSV: place, m, and of each field mean and standard deviation over the
+    /// elements that passed.
     pub fn fields_csv(&self) -> String {
         let length = self.path().length();
         let lines = self.fields.iter().enumerate().map(|(k, sum)| {
@@ -363,8 +367,8 @@ impl Run {
         format!("{FIELD_COLUMNS}\n{}", lines.collect::<String>())
     }
 
-    /// The idle arcs of S and P, rad: from the entry on, up to where the push force has changed by 10 % of its difference between
-    /// the strands from that of the strand before.
+    /// The idle arcs of S and P, rad: from the entry on, up to where the push force has changed by
+    /// 10 % of its difference between the strands from that of the strand before.
     pub fn idle_arcs(&self) -> [f64; 2] {
         let path = self.path();
         let per_place = path.length() / PLACES as f64;

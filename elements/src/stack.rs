@@ -5,13 +5,13 @@
 //! Q = K (⟨−g⟩ − d_e H ġ) − S(c ġ), c = C/(h_0 + g₊)³,
 //!
 //! - ⟨x⟩ = ρ ln(1 + e^{x/ρ}), H its slope at −g, g₊ = ⟨−g⟩ + g: no force acts across a gap at rest,
-//! - C: oil of viscosity η between parallel faces a × b, a < b, of which the share f is filled (Reynolds' equation with the
-//!   pressure of the surroundings at all four edges, within 1 % for a ≤ b/2): C = f η a³ b (1 − 0.63 a/b). The floor h_0 is
-//!   the distance of rough faces in contact,
+//! - C: oil of viscosity η between parallel faces a × b, a < b, of which the share f is filled
+//!   (Reynolds' equation with the pressure of the surroundings at all four edges, within 1 % for a
+//!   ≤ b/2): C = f η a³ b (1 − 0.63 a/b). The floor h_0 is the distance of rough faces in contact,
 //! - S(F) = F in closing, F/√(1 + (F/F_c)²) in opening: the oil cavitates at the suction F_c.
 //!
-//! The law is linear in the speeds at the end of a step: Q = K (⟨−g⟩ − (Δt + d_e) H ġ) − c' ġ, with c' = S/ġ at the speed of
-//! the step before.
+//! The law is linear in the speeds at the end of a step: Q = K (⟨−g⟩ − (Δt + d_e) H ġ) − c' ġ, with
+//! c' = S/ġ at the speed of the step before.
 
 use crate::belt::{Belt, Vector, dot};
 use crate::law::Law;
@@ -29,7 +29,8 @@ pub struct Oil {
 }
 
 impl Oil {
-    /// Oil with the viscosity `eta`, Pa·s, between faces of `sides`, m, that it fills to the share `fill`.
+    /// Oil with the viscosity `eta`, Pa·s, between faces of `sides`, m, that it fills to the share
+    /// `fill`.
     pub fn between_faces(eta: f64, sides: [f64; 2], fill: f64, floor: f64) -> Self {
         let [a, b] = [sides[0].min(sides[1]), sides[0].max(sides[1])];
         Self {
@@ -39,7 +40,8 @@ impl Oil {
         }
     }
 
-    /// Oil with the force `squeeze`, N·s, per rate of strain of elements of `thickness` at zero gap.
+    /// Oil with the force `squeeze`, N·s, per rate of strain of elements of `thickness` at zero
+    /// gap.
     pub fn of_squeeze(squeeze: f64, floor: f64, thickness: f64, suction: f64) -> Self {
         Self {
             constant: squeeze / thickness * floor.powi(3),
@@ -105,7 +107,8 @@ impl Stack {
         }
     }
 
-    /// Adds the gaps' part to the equations of V: their slopes to `diagonal`, `off`, the push forces along t to `right`.
+    /// Adds the gaps' part to the equations of V: their slopes to `diagonal`, `off`, the push
+    /// forces along t to `right`.
     pub fn rows(&self, law: &Law, belt: &Belt, [diagonal, off, right]: [&mut [f64]; 3]) {
         let n = law.count;
         cut!(n + 1; self => push, slope);
@@ -144,7 +147,8 @@ mod tests {
     use crate::near;
     use pushbelt::variator::settings::Parameters;
 
-    /// Elements in a straight row along x, with forces on them. The gap from the last to the first is far from contact.
+    /// Elements in a straight row along x, with forces on them. The gap from the last to the first
+    /// is far from contact.
     struct Straight {
         law: Law,
         dt: f64,
