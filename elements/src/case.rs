@@ -23,15 +23,6 @@ pub struct Case {
     pub options: Options,
 }
 
-/// Names of ratios.
-pub const RATIOS: [(&str, f64); 5] = [
-    ("low", 2.25),
-    ("under", 1.5),
-    ("medium", 1.0),
-    ("over", 0.667),
-    ("od", 0.444),
-];
-
 /// Speed with which the controller of the ratio settles, 1/s.
 const RATIO_RATE: f64 = 20.0;
 /// Times over which force and torque rise at the start, s.
@@ -53,8 +44,14 @@ impl Case {
         let range = "RATIO-SHARE, as medium-0.4; ratios: low, under, medium, over, od or a number";
         let error = || ParameterError::new("CASE", name, range);
         let (ratio, share) = name.split_once('-').ok_or_else(error)?;
-        let known = RATIOS.iter().find(|(word, _)| *word == ratio).map(|(_, value)| *value);
-        let ratio = known.or_else(|| ratio.parse().ok()).ok_or_else(error)?;
+        let ratio = match ratio {
+            "low" => 2.25,
+            "under" => 1.5,
+            "medium" => 1.0,
+            "over" => 0.667,
+            "od" => 0.444,
+            number => number.parse().map_err(|_| error())?,
+        };
         Ok(Self {
             name: name.to_owned(),
             ratio,

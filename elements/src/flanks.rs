@@ -27,7 +27,7 @@ const AT_REST: f64 = 1.0e-9;
 
 /// An element that touches its sheaves.
 #[derive(Clone, Copy, Debug, Default)]
-struct Touch {
+pub(crate) struct Touch {
     element: usize,
     pulley: usize,
     /// e_r·t and e_r·o.
@@ -38,7 +38,7 @@ struct Touch {
     /// tan β + ∂w/∂ϱ, ∂w/∂θ/ϱ.
     slopes: [f64; 2],
     /// Closing and sliding without the element's own speed; with it they are what counts.
-    motion: FlankMotion<f64>,
+    pub(crate) motion: FlankMotion<f64>,
     /// Elastic normal force of a flank, N.
     elastic: f64,
     /// ∂N/∂g, N/m.
@@ -86,7 +86,7 @@ pub struct Flank {
 /// Forces of the flanks.
 #[derive(Clone, Debug, Default)]
 pub struct Flanks {
-    touches: Vec<Touch>,
+    pub(crate) touches: Vec<Touch>,
     /// Of each element.
     pub of: Vec<Flank>,
 }
@@ -201,11 +201,6 @@ impl Flanks {
             load.viscous += 2.0 * touch.damping * cos_beta * motion.closing * motion.closing;
         }
         loads
-    }
-
-    /// Penetrations of the flanks that touch, m.
-    pub fn penetrations(&self) -> impl Iterator<Item = f64> + '_ {
-        self.touches.iter().map(|touch| touch.motion.penetration)
     }
 }
 

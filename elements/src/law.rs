@@ -27,16 +27,13 @@ pub struct Options {
     /// Oil: distance of rough faces in contact, m
     #[arg(long, default_value_t = 6.0e-6)]
     pub film: f64,
-    /// Oil: force per rate of strain at zero gap, N·s. 75 is a tenth of oil of 10 mPa·s between
-    /// faces of 8 by 24 mm
+    /// Oil: force per rate of strain at zero gap, N·s
     #[arg(long, default_value_t = 75.0)]
     pub squeeze: f64,
-    /// Lever of the ring's friction, m: distance from the rocking edge out to the middle of the
-    /// innermost layer [default: e − (n − 1) t/2 of the layers]
+    /// Lever of the ring's friction, m [default: that of the innermost layer]
     #[arg(long)]
     pub lever: Option<f64>,
-    /// Contact force of ring and element up to which it has no friction, N: what a strand's
-    /// vibration rectifies is below 2
+    /// Contact force of ring and element up to which it has no friction, N
     #[arg(long, default_value_t = 0.0)]
     pub contact_threshold: f64,
     /// Damping time of the ring's curvature, s
@@ -92,6 +89,7 @@ impl Law {
             return Err(ParameterError::new("belt.kind", "PullChain", range));
         }
         let (belt, geometry, layers) = (&parameters.belt, &parameters.geometry, &parameters.layers);
+        // From the rocking edge out to the middle of the innermost layer.
         let innermost = belt.pitch_offset - 0.5 * f64::from(layers.count - 1) * layers.thickness;
         let lever = options.lever.unwrap_or(innermost);
         if lever.is_nan() || lever < 0.0 {

@@ -13,7 +13,8 @@ use crate::pulleys::{Cone, Pulley, Shaft};
 use crate::ring::Ring;
 use crate::stack::Stack;
 use pushbelt::contact::energy_density;
-use pushbelt::scalar::Real as _;
+use pushbelt::pulley::Travel;
+use pushbelt::scalar::{Real as _, soft_plus_energy};
 use pushbelt_archive::Archive;
 
 /// Works and losses since the start, J, in the order of [`Ledger::NAMES`].
@@ -35,11 +36,6 @@ impl Ledger {
     /// Sum of the losses.
     pub fn losses(&self) -> f64 {
         self.0[4..].iter().sum()
-    }
-
-    /// What has been added since an earlier one.
-    pub fn since(&self, before: &Self) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] - before.0[k]))
     }
 }
 
@@ -256,13 +252,15 @@ impl Machine {
         for i in 1..=law.count {
             let (v, u, w) = (belt.v[i].re, belt.v[i].im, belt.w[i]);
             parts[0] += 0.5 * (law.mass * (v * v + u * u) + ring.mass[i] * (w * w + u * u));
-            parts[1] += Stack::energy(law, belt.length[i]);
+            let overlap = law.thickness - belt.length[i];
+            parts[1] += law.push_stiffness * soft_plus_energy(overlap, law.parameters.belt.roughness);
             let strain = ring.length[i] / ring.steel[i] - 1.0;
             parts[2] += 0.5 * of.axial_stiffness * strain * strain * ring.steel[i];
             let bent = 0.5 * of.bending_stiffness * ring.angle[i].powi(2);
             parts[3] += bent * of.mass_per_length / ring.mass[i];
         }
-        for penetration in self.flanks.penetrations() {
+        for touch in &self.flanks.touches {
+            let penetration = touch.motion.penetration;
             let [depth, ..] = penetration.soft_plus(contact.roughness);
             parts[4] += 2.0 * law.thickness * energy_density(contact, law.wedge[1], penetration, depth);
         }
@@ -295,7 +293,9 @@ impl Machine {
             }
         }
         for (j, (name, of)) in ["secondary", "primary"].into_iter().zip(law.pulleys()).enumerate() {
-            if self.pulleys[j].is_at_stop(of, law.r0, law.wedge[2]) && self.drive[j].1 != Cone::Speed(0.0) {
+            let travel = Travel::new((of.min_radius, of.max_radius), law.r0, law.wedge[2]);
+            let is_free = (travel.open..=travel.closed).contains(&self.pulleys[j].z);
+            if !is_free && self.drive[j].1 != Cone::Speed(0.0) {
                 // The element in the middle of the arc.
                 let outward = |i: &usize| (2.0 * j as f64 - 1.0) * belt.p[*i].re;
                 let at = (1..=law.count).max_by(|a, b| outward(a).total_cmp(&outward(b)));

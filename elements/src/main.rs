@@ -140,7 +140,7 @@ fn one(arguments: &Arguments, name: &str) -> Result<(), Box<dyn Error>> {
     }
     outcome?;
     write(&file("-fields.csv"), run.fields_csv())?;
-    let (result, [idle_s, idle_p]) = (run.result(), run.idle_arcs());
+    let (result, [idle_s, idle_p]) = (run.quarter(1), run.idle_arcs());
     let line = format!("{},{idle_s:.3},{idle_p:.3}", result.line());
     let header = format!("case,{},secondary.idleArc,primary.idleArc", header());
     add_line(&results("results.csv"), &header, &case.name, &line)?;

@@ -6,7 +6,6 @@
 //! of end stops are not in this model: a cone that reaches an end stop ends the run.
 
 use crate::flanks::Load;
-use pushbelt::pulley::Travel;
 use pushbelt::variator::settings::PulleyParameters;
 
 /// State of a pulley.
@@ -111,11 +110,5 @@ impl Pulley {
             of.tilt.energy(self.tilt)
         };
         0.5 * inertia * self.omega * self.omega + 2.0 * tilt + 0.5 * of.sheave_mass * self.z_dot * self.z_dot
-    }
-
-    /// Whether the cone is beyond an end stop.
-    pub fn is_at_stop(&self, of: &PulleyParameters, r0: f64, tan_beta: f64) -> bool {
-        let travel = Travel::new((of.min_radius, of.max_radius), r0, tan_beta);
-        !(travel.open..=travel.closed).contains(&self.z)
     }
 }

@@ -143,22 +143,15 @@ fn widen(limits: &mut [f64; 2], [least, most]: [f64; 2]) {
 
 /// Values with commas between.
 fn line<'a>(values: impl Iterator<Item = &'a f64>) -> String {
-    let words: Vec<_> = values.map(|value| short(*value)).collect();
+    let words: Vec<_> = values.map(|value| short(*value).to_string()).collect();
     words.join(",")
 }
 
 /// Six digits.
-fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let digits = 5 - value.abs().log10().floor() as i32;
-    let digits = usize::try_from(digits.clamp(0, 12)).unwrap_or(0);
-    let text = format!("{value:.digits$}");
-    if digits == 0 {
-        return text;
-    }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+fn short(value: f64) -> f64 {
+    let digits = 5_i32.saturating_sub(value.abs().log10().floor() as i32);
+    let digits = digits.clamp(0, 12) as usize;
+    format!("{value:.digits$}").parse().unwrap_or(value)
 }
 
 /// Names of all columns.
@@ -249,7 +242,7 @@ impl Run {
     fn close_row(&mut self) {
         let machine = &self.machine;
         let energy = machine.energies().iter().sum::<f64>();
-        let ledger = machine.ledger.since(&self.before);
+        let ledger = Ledger(std::array::from_fn(|k| machine.ledger.0[k] - self.before.0[k]));
         let wide = machine.law.thickness + machine.law.oil.floor.min(1.0e-6);
         let gaps = &machine.belt.length[1..=machine.law.count];
         self.rows.push(Row {
@@ -311,16 +304,11 @@ impl Run {
         Path::new(self.machine.law.axes[1], radii)
     }
 
-    /// The mean of the last part of the run.
-    pub fn result(&self) -> Row {
-        Row::mean(self.last(1))
-    }
-
-    /// The rows of a part, counted from the end, from 1 on.
-    fn last(&self, part: usize) -> &[Row] {
+    /// The mean of a quarter of the run, counted from the end: 1 is the result.
+    pub fn quarter(&self, part: usize) -> Row {
         let count = ((self.rows.len() as f64 * RESULT).ceil() as usize).max(1);
         let end = self.rows.len().saturating_sub((part - 1) * count);
-        &self.rows[end.saturating_sub(count)..end]
+        Row::mean(&self.rows[end.saturating_sub(count)..end])
     }
 
     /// Whether the end is a steady state.
@@ -331,7 +319,7 @@ impl Run {
         if self.rows.len() < 8 {
             return Ok(());
         }
-        let [now, before] = [1, 2].map(|part| Row::mean(self.last(part)));
+        let [now, before] = [1, 2].map(|part| self.quarter(part));
         let thrust = now.thrust_ratio() / before.thrust_ratio() - 1.0;
         let slip = now.slip() - before.slip();
         let cause = if now.slip().abs() > THROUGH {

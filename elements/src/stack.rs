@@ -15,7 +15,7 @@
 
 use crate::belt::{Belt, Vector, dot};
 use crate::law::Law;
-use pushbelt::scalar::{LANES, Lanes, Real, soft_plus_energy};
+use pushbelt::scalar::{LANES, Lanes, Real};
 
 /// Oil between two elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,11 +131,6 @@ impl Stack {
             self.rate[c] += rise;
         }
     }
-
-    /// Elastic energy of a gap whose chord has this length, m: J.
-    pub fn energy(law: &Law, length: f64) -> f64 {
-        law.push_stiffness * soft_plus_energy(law.thickness - length, law.parameters.belt.roughness)
-    }
 }
 
 #[cfg(test)]
@@ -163,13 +158,12 @@ mod tests {
             let mut belt = Belt::new(n);
             belt.t.fill(1.0.into());
             belt.p = (0..n + 2).map(|i| (i as f64 * (law.thickness + gap)).into()).collect();
-            let (force, stack) = (vec![0.0; n], Stack::new(n));
             Self {
+                force: vec![0.0; n],
+                stack: Stack::new(n),
                 law,
                 dt,
                 belt,
-                force,
-                stack,
             }
         }
 
