@@ -8,7 +8,8 @@ use crate::belt::Vector;
 #[derive(Clone, Debug)]
 pub struct Tridiagonal {
     inverse: Vec<f64>,
-    border: Vec<f64>,
+    /// Right-hand side and, imaginary, coefficient of the last unknown.
+    rows: Vec<Vector>,
 }
 
 impl Tridiagonal {
@@ -16,7 +17,7 @@ impl Tridiagonal {
     pub fn new(n: usize) -> Self {
         Self {
             inverse: vec![0.0; n],
-            border: vec![0.0; n],
+            rows: vec![Vector::default(); n],
         }
     }
 
@@ -26,49 +27,45 @@ impl Tridiagonal {
     pub fn solve(&mut self, diagonal: &[f64], off: &[f64], x: &mut [f64]) {
         let n = self.inverse.len();
         let (diagonal, off, x) = (&diagonal[..n], &off[..n], &mut x[..n]);
-        let (inverse, border) = (&mut self.inverse[..n], &mut self.border[..n]);
+        let (inverse, rows) = (&mut self.inverse[..n], &mut self.rows[..n]);
         let last = n - 1;
-        // Rows 0 to middle − 1 on one side, last − 1 to middle + 1 on the other, as many or one
-        // fewer.
+        // Rows 0 to middle − 1 on one side, last − 1 to middle + 1 on the other, or one fewer.
         let middle = last / 2;
-        border.fill(0.0);
-        border[0] = off[last];
-        border[last - 1] = off[last - 1];
+        rows.iter_mut().zip(&*x).for_each(|(row, x)| *row = x.into());
+        rows[0].im = off[last];
+        rows[last - 1].im = off[last - 1];
         inverse[0] = 1.0 / diagonal[0];
         inverse[last - 1] = 1.0 / diagonal[last - 1];
+        let mut eliminate = |i: usize, from: usize, off: f64| {
+            let factor = off * inverse[from];
+            inverse[i] = 1.0 / (diagonal[i] - factor * off);
+            rows[i] -= factor * rows[from];
+        };
         for k in 1..middle {
-            for (i, from, off) in [(k, k - 1, off[k - 1]), (last - 1 - k, last - k, off[last - 1 - k])] {
-                if i == middle {
-                    continue;
-                }
-                let factor = off * inverse[from];
-                inverse[i] = 1.0 / (diagonal[i] - factor * off);
-                x[i] -= factor * x[from];
-                border[i] -= factor * border[from];
+            eliminate(k, k - 1, off[k - 1]);
+            let i = last - 1 - k;
+            if i > middle {
+                eliminate(i, i + 1, off[i]);
             }
         }
         let (left, right) = (off[middle - 1] * inverse[middle - 1], off[middle] * inverse[middle + 1]);
         inverse[middle] = 1.0 / (diagonal[middle] - left * off[middle - 1] - right * off[middle]);
-        for row in [&mut *x, &mut *border] {
-            row[middle] = (row[middle] - left * row[middle - 1] - right * row[middle + 1]) * inverse[middle];
-        }
+        let row = rows[middle] - left * rows[middle - 1] - right * rows[middle + 1];
+        rows[middle] = row * inverse[middle];
         for k in 1..=middle {
-            for (i, from, off) in [
-                (middle - k, middle - k + 1, off[middle - k]),
-                (middle + k, middle + k - 1, off[middle + k - 1]),
-            ] {
-                if i < last {
-                    x[i] = (x[i] - off * x[from]) * inverse[i];
-                    border[i] = (border[i] - off * border[from]) * inverse[i];
-                }
+            let i = middle - k;
+            rows[i] = (rows[i] - off[i] * rows[i + 1]) * inverse[i];
+            let i = middle + k;
+            if i < last {
+                rows[i] = (rows[i] - off[i - 1] * rows[i - 1]) * inverse[i];
             }
         }
-        let pivot = diagonal[last] - off[last] * border[0] - off[last - 1] * border[last - 1];
-        let end = (x[last] - off[last] * x[0] - off[last - 1] * x[last - 1]) / pivot;
-        for (x, border) in x[..last].iter_mut().zip(&border[..last]) {
-            *x -= border * end;
+        let (first, before) = (rows[0], rows[last - 1]);
+        let pivot = diagonal[last] - off[last] * first.im - off[last - 1] * before.im;
+        x[last] = (x[last] - off[last] * first.re - off[last - 1] * before.re) / pivot;
+        for i in 0..last {
+            x[i] = rows[i].re - rows[i].im * x[last];
         }
-        x[last] = end;
     }
 }
 

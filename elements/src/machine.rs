@@ -143,54 +143,45 @@ impl Machine {
         self.ring.correct(law, dt, belt, dw);
 
         let couple = 0.5 * law.lever / law.thickness;
-        let flank = &self.flanks.of[..n + 2];
-        {
-            cut!(n + 2; belt => v, t, turn);
-            cut!(n + 2; self.ring => drag);
-            for k in 0..n {
-                let i = k + 1;
-                diagonal[k] = law.mass * per_step + flank[i].slope[0];
-                // o of a neighbour has a component along t.
-                let bend = |a: usize| cross(t[a + 1], t[a]);
-                let turned = couple * (drag[k] * bend(k) + drag[i + 1] * bend(i));
-                right[k] = flank[i].force.re + drag[i] + turned - law.mass * v[i].im * turn[i] * per_step;
-            }
+        let (flank, ring_turn) = (&self.flanks.of[..n + 2], &self.ring.turn[..n + 2]);
+        cut!(n + 2; belt => v, w, t, turn, unit);
+        cut!(n + 2; self.ring => drag, force, mass);
+        for k in 0..n {
+            let i = k + 1;
+            diagonal[k] = law.mass * per_step + flank[i].slope[0];
+            // o of a neighbour has a component along t.
+            let bend = |a: usize| cross(t[a + 1], t[a]);
+            let turned = couple * (drag[k] * bend(k) + drag[i + 1] * bend(i));
+            right[k] = flank[i].force.re + drag[i] + turned - law.mass * v[i].im * turn[i] * per_step;
         }
         self.stack.rows(law, belt, [diagonal, off, right]);
         self.three.solve(diagonal, off, right);
-        dv[1..=n]
-            .iter_mut()
-            .zip(&*right)
-            .for_each(|(dv, change)| dv.re = *change);
+        for (dv, change) in dv[1..=n].iter_mut().zip(&*right) {
+            dv.re = *change;
+        }
         close(dv);
-        belt.v.iter_mut().zip(&*dv).for_each(|(v, dv)| v.re += dv.re);
         self.stack.correct(dv);
 
-        {
-            cut!(n + 2; belt => v, w, t, unit);
-            cut!(n + 2; self.ring => drag, force, mass);
-            let (push, ring_turn) = (&self.stack.push[..n + 2], &self.ring.turn[..n + 2]);
-            for k in 0..n {
-                let i = k + 1;
-                let pushed = |c: usize| push[c] * cross(t[i], unit[c]);
-                let [_, mixed, own] = flank[i].slope;
-                diagonal[k] = (law.mass + mass[i]) * per_step + own;
-                right[k] = pushed(k) - pushed(i) + force[i].im + flank[i].force.im - mixed * dv[i].re
-                    + couple * (drag[i + 1] - drag[k])
-                    + law.mass * v[i].re * belt.turn[i] * per_step
-                    + mass[i] * w[i] * ring_turn[i];
-            }
+        let push = &self.stack.push[..n + 2];
+        for k in 0..n {
+            let i = k + 1;
+            let pushed = |c: usize| push[c] * cross(t[i], unit[c]);
+            let [_, mixed, own] = flank[i].slope;
+            diagonal[k] = (law.mass + mass[i]) * per_step + own;
+            right[k] = pushed(k) - pushed(i) + force[i].im + flank[i].force.im - mixed * dv[i].re
+                + couple * (drag[i + 1] - drag[k])
+                + law.mass * (v[i].re + dv[i].re) * turn[i] * per_step
+                + mass[i] * w[i] * ring_turn[i];
         }
         self.five.solve(diagonal, law.bending_slope(dt), right);
-        dv[1..=n]
-            .iter_mut()
-            .zip(&*right)
-            .for_each(|(dv, change)| dv.im = *change);
+        for (dv, change) in dv[1..=n].iter_mut().zip(&*right) {
+            dv.im = *change;
+        }
         close(dv);
-        belt.v.iter_mut().zip(&*dv).for_each(|(v, dv)| v.im += dv.im);
+        belt.v.iter_mut().zip(&*dv).for_each(|(v, change)| *v += change);
 
         self.loads = self.flanks.loads(law, dt, dv);
-        self.book();
+        self.add_losses();
         self.advance();
     }
 
@@ -219,7 +210,7 @@ impl Machine {
     }
 
     /// Adds the losses of the step.
-    fn book(&mut self) {
+    fn add_losses(&mut self) {
         let (n, of) = (self.law.count, &self.law.parameters.ring);
         cut!(n + 1; self.ring => friction, drag, steel, angle_rate, mass);
         cut!(n + 1; self.stack => oil, damping);

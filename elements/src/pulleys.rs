@@ -1,9 +1,9 @@
 //! Shafts, cones and their tilt.
 //!
-//! J ω̇ = T + torque of the belt − drag; m_z z̈ = F − axial force − d_z ż; tilt of a sheave (M/a)(ψ
-//! + τ ψ̇) = moment, by [`pushbelt::tilt`]. The last is implicit in ψ̇, since the contact is
-//! stiffer than the sheave. Both sheaves of a pulley tilt alike. Cylinders, seals and the springs
-//! of end stops are not in this model: a cone that reaches an end stop ends the run.
+//! J ω̇ = T + torque of the belt − drag; m_z z̈ = F − axial force − d_z ż; tilt of a sheave
+//! (M/a)(ψ + τ ψ̇) = moment, by [`pushbelt::tilt`]. The last is implicit in ψ̇, since the contact
+//! is stiffer than the sheave. Both sheaves of a pulley tilt alike. Cylinders, seals and the
+//! springs of end stops are not in this model: a cone that reaches an end stop ends the run.
 
 use crate::flanks::Load;
 use pushbelt::variator::settings::PulleyParameters;

@@ -7,14 +7,14 @@
 //!
 //! - tension T_i = EA (ε + η Dε), ε = R_i/ΔS_i − 1, moment M_i = EI (κ + η_κ Dκ), κ_i the angle
 //!   from r_{i−1} to r_i over ½(ΔS_{i−1} + ΔS_i),
-//! - force on node i: F_i = T_i r_i − T_{i−1} r_{i−1} + X_{i−1} n_{i−1} − X_i n_i, shear X_i =
-//!   (M_{i+1} − M_i)/R_i,
+//! - force on node i: F_i = T_i r_i − T_{i−1} r_{i−1} + X_{i−1} n_{i−1} − X_i n_i,
+//!   shear X_i = (M_{i+1} − M_i)/R_i,
 //! - along the belt m_i (ẇ + U Ω) = F·t − q; across, F·o and the inertia m_i act on the element,
 //! - the true contact force N = −F·o − m_i w Ω_r, which is T κ − EI κ'' − m_r w² κ, with the
 //!   turning Ω_r = Ω − Ṡ κ of the steel,
-//! - friction of the ring on the element at the lever e_1: q = μ_r ⟨N − N_0⟩ s/√(s² + v_0²), s = w
-//!   − V − e_1 Ω, N_0 = 0. Its couple e_1 q about the rocking edge acts on both neighbours, ∓(e_1
-//!   q/2h) o_i, since they orient the element.
+//! - friction of the ring on the element at the lever e_1: q = μ_r ⟨N − N_0⟩ s/√(s² + v_0²),
+//!   s = w − V − e_1 Ω, N_0 = 0. Its couple e_1 q about the rocking edge acts on both neighbours,
+//!   ∓(e_1 q/2h) o_i, since they orient the element.
 //!
 //! All layers have the same mean speed. What layers lose on each other is not in this model.
 //! Left out: Ṡ ∂w/∂S beside ẇ.
