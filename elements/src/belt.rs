@@ -39,22 +39,14 @@ pub fn close<T: Copy>(values: &mut [T]) {
 rows! {
     /// Elements and the steel at them.
     Belt {
-        /// Rocking edges p, m.
-        pub p: Vector,
-        /// Speeds V + iU of the elements, m/s.
-        pub v: Vector,
-        /// Speed of the steel along t, m/s.
-        pub w: f64,
-        /// Place of the nodes in the steel, m.
-        pub s: f64,
-        /// t.
-        pub t: Vector,
-        /// Δχ since the step before, rad.
-        pub turn: f64,
-        /// Unit vectors of the chords.
-        pub unit: Vector,
-        /// Lengths of the chords, m.
-        pub length: f64,
+        p: Vector, "Rocking edges, m.";
+        v: Vector, "Speeds V + iU of the elements, m/s.";
+        w: f64, "Speed of the steel along t, m/s.";
+        s: f64, "Place of the nodes in the steel, m.";
+        t: Vector, "t.";
+        turn: f64, "Δχ since the step before, rad.";
+        unit: Vector, "Unit vectors of the chords.";
+        length: f64, "Lengths of the chords, m.";
     }
 }
 

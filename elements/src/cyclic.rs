@@ -3,31 +3,23 @@
 
 use crate::belt::Vector;
 
-/// A x = b with A of rows `off[i − 1]`, `diagonal[i]`, `off[i]`; `off[n − 1]` couples the last
-/// unknown with the first.
-#[derive(Clone, Debug)]
-pub struct Tridiagonal {
-    inverse: Vec<f64>,
-    /// Right-hand side and, imaginary, coefficient of the last unknown.
-    rows: Vec<Vector>,
+rows! {
+    /// A x = b with A of rows `off[i − 1]`, `diagonal[i]`, `off[i]`; `off[n − 1]` couples the last
+    /// unknown with the first; n ≥ 5.
+    Tridiagonal {
+        inverse: f64, "Inverse pivots.";
+        rows: Vector, "Right-hand side and, imaginary, coefficient of the last unknown.";
+    }
 }
 
 impl Tridiagonal {
-    /// For `n` ≥ 5 unknowns.
-    pub fn new(n: usize) -> Self {
-        Self {
-            inverse: vec![0.0; n],
-            rows: vec![Vector::default(); n],
-        }
-    }
-
     /// Solves with the right-hand side in `x`, which becomes the solution. The elimination goes
     /// from both ends to the middle at once, since each row waits for the division of the row
     /// before it.
     pub fn solve(&mut self, diagonal: &[f64], off: &[f64], x: &mut [f64]) {
-        let n = self.inverse.len();
-        let (diagonal, off, x) = (&diagonal[..n], &off[..n], &mut x[..n]);
-        let (inverse, rows) = (&mut self.inverse[..n], &mut self.rows[..n]);
+        let n = x.len();
+        let (diagonal, off) = (&diagonal[..n], &off[..n]);
+        cut!(n; mut self => inverse, rows);
         let last = n - 1;
         // Rows 0 to middle − 1 on one side, last − 1 to middle + 1 on the other, or one fewer.
         let middle = last / 2;
@@ -69,33 +61,24 @@ impl Tridiagonal {
     }
 }
 
-/// A x = b with A = diag(`diagonal`) + `weight` (1, −4, 6, −4, 1), cyclic: a beam's bending on
-/// points of mass.
-#[derive(Clone, Debug)]
-pub struct Pentadiagonal {
-    inverse: Vec<f64>,
-    next: Vec<f64>,
-    border: Vec<Vector>,
+rows! {
+    /// A x = b with A = diag(`diagonal`) + `weight` (1, −4, 6, −4, 1), cyclic: a beam's bending on
+    /// points of mass; n ≥ 7.
+    Pentadiagonal {
+        inverse: f64, "Inverse pivots.";
+        next: f64, "m_i.";
+        border: Vector, "Coefficients of the last two unknowns, p + iq.";
+    }
 }
 
 impl Pentadiagonal {
-    /// For `n` ≥ 7 unknowns.
-    pub fn new(n: usize) -> Self {
-        Self {
-            inverse: vec![0.0; n],
-            next: vec![0.0; n],
-            border: vec![Vector::default(); n],
-        }
-    }
-
     /// Solves with the right-hand side in `x`, which becomes the solution.
     pub fn solve(&mut self, diagonal: &[f64], weight: f64, x: &mut [f64]) {
-        let n = self.inverse.len();
+        let n = x.len();
         let m = n - 2;
         let (near, far) = (-4.0 * weight, weight);
-        let (diagonal, x) = (&diagonal[..n], &mut x[..n]);
-        let (inverse, next, border) = (&mut self.inverse[..n], &mut self.next[..n], &mut self.border[..n]);
-        // Coefficients of the last two unknowns, p + iq.
+        let diagonal = &diagonal[..n];
+        cut!(n; mut self => inverse, next, border);
         border.fill(Vector::default());
         (border[0], border[1]) = (Vector::new(far, near), Vector::new(0.0, far));
         (border[m - 2], border[m - 1]) = (Vector::new(far, 0.0), Vector::new(near, far));

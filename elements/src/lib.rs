@@ -23,10 +23,10 @@
 
 /// A type of arrays with a value an element, or a chord, and two copies.
 macro_rules! rows {
-    ($(#[$doc:meta])* $name:ident { $($(#[$of:meta])* $vis:vis $row:ident: $value:ty,)* }) => {
+    ($(#[$doc:meta])* $name:ident { $($row:ident: $value:ty, $of:literal;)* }) => {
         $(#[$doc])*
         #[derive(Clone, Debug)]
-        pub struct $name { $($(#[$of])* $vis $row: Vec<$value>,)* }
+        pub struct $name { $(#[doc = $of] pub $row: Vec<$value>,)* }
 
         impl $name {
             /// For `n` elements.

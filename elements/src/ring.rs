@@ -25,38 +25,24 @@ use crate::law::Law;
 rows! {
     /// Forces of the ring, of its chords and its nodes.
     Ring {
-        node: Vector,
-        /// Unit vectors r of the chords.
-        pub unit: Vector,
-        /// Lengths R of the chords, m.
-        pub length: f64,
-        /// T, N, of each chord.
-        pub tension: f64,
-        /// ∂T_i/∂w_{i+1} = −∂T_i/∂w_i in the step, N·s/m.
-        pub slope: f64,
-        /// ΔS, m.
-        pub steel: f64,
-        /// Rate of stretch ε̇ ΔS, m/s.
-        pub rate: f64,
-        turning: f64,
-        shear: f64,
-        moment: f64,
-        /// Angle between the chords of a node, rad.
-        pub angle: f64,
-        /// Its rate, rad/s.
-        pub angle_rate: f64,
-        /// F·t and F·o, N.
-        pub force: Vector,
-        /// N, N.
-        pub contact: f64,
-        /// q/s, N·s/m.
-        pub friction: f64,
-        /// q, N, on the element.
-        pub drag: f64,
-        /// m, kg.
-        pub mass: f64,
-        /// Ω_r, rad/s.
-        pub turn: f64,
+        node: Vector, "c, m.";
+        unit: Vector, "Unit vectors r of the chords.";
+        length: f64, "R, m, of each chord.";
+        tension: f64, "T, N, of each chord.";
+        slope: f64, "∂T_i/∂w_{i+1} = −∂T_i/∂w_i in the step, N·s/m.";
+        steel: f64, "ΔS, m.";
+        rate: f64, "Rate of stretch ε̇ ΔS, m/s.";
+        turning: f64, "Turning of each chord, inward, rad/s.";
+        shear: f64, "X, N, of each chord.";
+        moment: f64, "M, N·m.";
+        angle: f64, "Angle between the chords of a node, rad.";
+        angle_rate: f64, "Its rate, rad/s.";
+        force: Vector, "F·t and F·o, N.";
+        contact: f64, "N, N.";
+        friction: f64, "q/s, N·s/m.";
+        drag: f64, "q, N, on the element.";
+        mass: f64, "m, kg.";
+        turn: f64, "Ω_r, rad/s.";
     }
 }
 

@@ -64,16 +64,11 @@ impl Oil {
 rows! {
     /// Forces of the gaps; chord i is gap i.
     Stack {
-        /// Q, N.
-        pub push: f64,
-        /// ġ, m/s.
-        pub rate: f64,
-        /// −∂Q/∂ġ in the step, N·s/m.
-        pub slope: f64,
-        /// Its part by damping of the contact, N·s/m.
-        pub damping: f64,
-        /// Its part by oil, N·s/m.
-        pub oil: f64,
+        push: f64, "Q, N.";
+        rate: f64, "ġ, m/s.";
+        slope: f64, "−∂Q/∂ġ in the step, N·s/m.";
+        damping: f64, "Its part by damping of the contact, N·s/m.";
+        oil: f64, "Its part by oil, N·s/m.";
     }
 }
 
