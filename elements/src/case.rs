@@ -5,6 +5,7 @@ use crate::belt::Vector;
 use crate::law::{Law, Options};
 use crate::machine::Machine;
 use crate::pulleys::{Cone, Shaft};
+use crate::run::short;
 use pushbelt::contact::full_slip_torque;
 use pushbelt::variator::settings::{ParameterError, Parameters};
 
@@ -66,8 +67,10 @@ impl Case {
     /// # Errors
     /// A value is out of its range.
     pub fn check(&self) -> Result<(), ParameterError> {
-        let of = &self.options;
+        let (of, (lowest, highest)) = (&self.options, self.parameters.ratio_range());
         for (name, value, [least, most]) in [
+            ("ratio", self.ratio, [lowest, highest]),
+            ("start-ratio", self.started(), [lowest, highest]),
             ("force", of.force, [100.0, 2.0e5]),
             ("share", self.share, [-MOST, MOST]),
             ("speed", of.speed, [1.0, 2.0e3]),
@@ -79,13 +82,8 @@ impl Case {
             ("squeeze", of.squeeze, [0.0, 1.0e5]),
         ] {
             if !(least..=most).contains(&value) {
-                return Err(ParameterError::new(name, value, format!("{least} to {most}")));
-            }
-        }
-        let (lowest, highest) = self.parameters.ratio_range();
-        for (name, ratio) in [("ratio", self.ratio), ("start-ratio", self.started())] {
-            if !(lowest..=highest).contains(&ratio) {
-                return Err(ParameterError::new(name, ratio, format!("{lowest:.4} to {highest:.4}")));
+                let range = format!("{} to {}", short(least), short(most));
+                return Err(ParameterError::new(name, value, range));
             }
         }
         Ok(())

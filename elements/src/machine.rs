@@ -99,7 +99,7 @@ impl Machine {
             stack: Stack::new(n),
             flanks: Flanks::default(),
             pulleys: [Pulley::default(); 2],
-            drive: [(Shaft::Torque(0.0), Cone::Speed(0.0)); 2],
+            drive: [(Shaft::Torque(0.0), Cone::Held); 2],
             loads: [Load::default(); 2],
             ledger: Ledger::default(),
             changes: (vec![0.0; n + 2], vec![Vector::default(); n + 2]),
@@ -286,7 +286,7 @@ impl Machine {
         for (j, (name, of)) in ["secondary", "primary"].into_iter().zip(law.pulleys()).enumerate() {
             let travel = Travel::new((of.min_radius, of.max_radius), law.r0, law.wedge[2]);
             let is_free = (travel.open..=travel.closed).contains(&self.pulleys[j].z);
-            if !is_free && self.drive[j].1 != Cone::Speed(0.0) {
+            if !is_free && self.drive[j].1 != Cone::Held {
                 // The element in the middle of the arc.
                 let outward = |i: &usize| (2.0 * j as f64 - 1.0) * belt.p[*i].re;
                 let at = (1..=law.count).max_by(|a, b| outward(a).total_cmp(&outward(b)));

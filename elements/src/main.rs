@@ -144,17 +144,14 @@ fn one(arguments: &Arguments, name: &str) -> Result<(), Box<dyn Error>> {
     let line = format!("{},{idle_s:.3},{idle_p:.3}", result.line());
     let header = format!("case,{},secondary.idleArc,primary.idleArc", header());
     add_line(&results("results.csv"), &header, &case.name, &line)?;
+    let (ratio, thrust_ratio, [least, most]) = (result.ratio(), result.thrust_ratio(), result.push_force);
+    let shares = [result.slip(), result.efficiency(), result.residual()];
+    let [slip, efficiency, residual] = shares.map(|share| 100.0 * share);
     println!(
-        "{}: ratio {:.4}, thrust ratio {:.4}, slip {:.4} %, efficiency {:.3} %, idle arcs S {idle_s:.2}, \
-         P {idle_p:.2} rad, push force {:.1} to {:.0} N, energy to {:.4} % of what passes",
-        case.name,
-        result.ratio(),
-        result.thrust_ratio(),
-        100.0 * result.slip(),
-        100.0 * result.efficiency(),
-        result.push_force[0],
-        result.push_force[1],
-        100.0 * result.residual(),
+        "{}: ratio {ratio:.4}, thrust ratio {thrust_ratio:.4}, slip {slip:.4} %, efficiency {efficiency:.3} %, \
+         idle arcs S {idle_s:.2}, P {idle_p:.2} rad, push force {least:.1} to {most:.0} N, \
+         energy to {residual:.4} % of what passes",
+        case.name
     );
     Ok(run.check_steady()?)
 }

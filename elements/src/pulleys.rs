@@ -35,9 +35,11 @@ pub enum Shaft {
 /// What acts on a cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cone {
+    /// It stands.
+    Held,
     /// A closing force, N.
     Force(f64),
-    /// It moves at this speed, m/s, or stands, whatever force that takes.
+    /// It moves at this speed, m/s, whatever force that takes.
     Speed(f64),
 }
 
@@ -57,6 +59,7 @@ impl Pulley {
         let omega = 0.5 * (before + self.omega);
         let before = self.z_dot;
         self.z_dot = match drive.1 {
+            Cone::Held => 0.0,
             Cone::Speed(speed) => speed,
             Cone::Force(force) => {
                 let inertia = of.sheave_mass / dt;

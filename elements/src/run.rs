@@ -95,11 +95,8 @@ impl Row {
     /// The mean of rows.
     pub fn mean(rows: &[Self]) -> Self {
         let count = rows.len() as f64;
-        let push_force = NONE;
-        let mut mean = Self {
-            push_force,
-            ..Self::default()
-        };
+        let mut mean = Self::default();
+        mean.push_force = NONE;
         for row in rows {
             mean.time = mean.time.max(row.time);
             mean.duration += row.duration;
@@ -126,13 +123,7 @@ impl Row {
         let [least, most] = self.push_force;
         let more = [least, most, self.open, self.residual()];
         let powers = self.ledger.0.map(|energy| energy / self.duration);
-        line(
-            ratios
-                .iter()
-                .chain(self.means.iter().flatten())
-                .chain(&more)
-                .chain(&powers),
-        )
+        line(&[&ratios[..], self.means.as_flattened(), &more, &powers].concat())
     }
 }
 
@@ -142,13 +133,13 @@ fn widen(limits: &mut [f64; 2], [least, most]: [f64; 2]) {
 }
 
 /// Values with commas between.
-fn line<'a>(values: impl Iterator<Item = &'a f64>) -> String {
-    let words: Vec<_> = values.map(|value| short(*value).to_string()).collect();
+fn line(values: &[f64]) -> String {
+    let words: Vec<_> = values.iter().map(|value| short(*value).to_string()).collect();
     words.join(",")
 }
 
 /// Six digits.
-fn short(value: f64) -> f64 {
+pub(crate) fn short(value: f64) -> f64 {
     let digits = 5_i32.saturating_sub(value.abs().log10().floor() as i32);
     let digits = digits.clamp(0, 12) as usize;
     format!("{value:.digits$}").parse().unwrap_or(value)
@@ -350,7 +341,7 @@ impl Run {
                 let mean = pair[0] / sum[0];
                 values.extend([mean, (pair[1] / sum[0] - mean * mean).max(0.0).sqrt()]);
             }
-            line(values.iter()) + "\n"
+            line(&values) + "\n"
         });
         format!("{FIELD_COLUMNS}\n{}", lines.collect::<String>())
     }
