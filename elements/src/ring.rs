@@ -13,8 +13,9 @@
 //! - the true contact force N = −F·o − m_i w Ω_r, which is T κ − EI κ'' − m_r w² κ, with the
 //!   turning Ω_r = Ω − Ṡ κ of the steel,
 //! - friction of the ring on the element at the lever e_1: q = μ_r ⟨N − N_0⟩ s/√(s² + v_0²),
-//!   s = w − V − e_1 Ω, N_0 = 0. Its couple e_1 q about the rocking edge acts on both neighbours,
-//!   ∓(e_1 q/2h) o_i, since they orient the element.
+//!   s = w − V − e_1 Ω, N_0 = 0 (what a strand's vibration rectifies is below 2 N). Its couple
+//!   e_1 q about the rocking edge acts on both neighbours, ∓(e_1 q/2h) o_i, since they orient the
+//!   element.
 //!
 //! All layers have the same mean speed. What layers lose on each other is not in this model.
 //! Left out: Ṡ ∂w/∂S beside ẇ.

@@ -95,8 +95,10 @@ impl Row {
     /// The mean of rows.
     pub fn mean(rows: &[Self]) -> Self {
         let count = rows.len() as f64;
-        let mut mean = Self::default();
-        mean.push_force = NONE;
+        let mut mean = Self {
+            push_force: NONE,
+            ..Self::default()
+        };
         for row in rows {
             mean.time = mean.time.max(row.time);
             mean.duration += row.duration;

@@ -7,7 +7,7 @@
 //! - ⟨x⟩ = ρ ln(1 + e^{x/ρ}), H its slope at −g, g₊ = ⟨−g⟩ + g: no force acts across a gap at rest,
 //! - C: oil of viscosity η between parallel faces a × b, a < b, of which the share f is filled
 //!   (Reynolds' equation with the pressure of the surroundings at all four edges, within 1 % for
-//!   a ≤ b/2): C = f η a³ b (1 − 0.63 a/b). The floor h_0 is the distance of rough faces in contact,
+//!   a ≤ b/2): C = f η a³ b (1 − 0.63 a/b). The floor h_0 is that of rough faces in contact,
 //! - S(F) = F in closing, F/√(1 + (F/F_c)²) in opening: the oil cavitates at the suction F_c.
 //!
 //! The law is linear in the speeds at the end of a step: Q = K (⟨−g⟩ − (Δt + d_e) H ġ) − c' ġ, with
@@ -41,7 +41,7 @@ impl Oil {
     }
 
     /// Oil with the force `squeeze`, N·s, per rate of strain of elements of `thickness` at zero
-    /// gap.
+    /// gap. 75 N·s at 6 µm are a tenth of oil of 10 mPa·s between faces of 8 by 24 mm.
     pub fn of_squeeze(squeeze: f64, floor: f64, thickness: f64, suction: f64) -> Self {
         Self {
             constant: squeeze / thickness * floor.powi(3),
