@@ -149,8 +149,8 @@ fn one(arguments: &Arguments, name: &str) -> Result<(), Box<dyn Error>> {
     let [slip, efficiency, residual] = shares.map(|share| 100.0 * share);
     println!(
         "{}: ratio {ratio:.4}, thrust ratio {thrust_ratio:.4}, slip {slip:.4} %, \
-         efficiency {efficiency:.3} %, idle arcs S {idle_s:.2}, P {idle_p:.2} rad, push force {least:.1} to {most:.0} N, \
-         energy to {residual:.4} % of what passes",
+         efficiency {efficiency:.3} %, idle arcs S {idle_s:.2}, P {idle_p:.2} rad, \
+         push force {least:.1} to {most:.0} N, energy to {residual:.4} % of what passes",
         case.name
     );
     Ok(run.check_steady()?)
