@@ -59,6 +59,9 @@ pub const BENCHMARK: Program = [MODEL_PACKAGE, "--bench", "variator"];
 /// The example that runs the tests of rings alone.
 pub const RINGS: Program = [PAPER_PACKAGE, "--example", "paper_rings"];
 
+/// The model of single elements.
+pub const ELEMENTS: Program = ["pushbelt-elements", "--bin", "pushbelt-elements"];
+
 /// Compiles the model's shared library, optimised for this machine, and returns its path.
 ///
 /// # Errors

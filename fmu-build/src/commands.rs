@@ -7,6 +7,7 @@ use anyhow::anyhow;
 pub mod build;
 pub mod describe;
 pub mod docs;
+pub mod elements;
 pub mod program;
 pub mod test;
 pub mod wheel;

@@ -51,7 +51,7 @@ struct Arguments {
 const TIMES: &str = "\
 Times on two processor cores, once the model is compiled and the Python packages are installed:
   seconds      belt, build, demo, compare, describe, durability, linearize
-  a minute     drive, sweep, calibrate (60 points), bench
+  a minute     drive, sweep, calibrate (60 points), bench, elements (a case)
   two minutes  maps
   minutes      test (3), validate (3), paper, docs
   15 minutes   test --all
@@ -71,6 +71,8 @@ enum Command {
     Describe,
     /// Write the documentation as a book, target/book/index.html, and check its links
     Docs,
+    /// Run the belt element by element, the model that judges the FMU's, and write target/elements/CASE.csv
+    Elements(commands::elements::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -115,6 +117,7 @@ fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         Command::Wheel(arguments) => commands::wheel::run(&workspace, &arguments),
         Command::Describe => commands::describe::run(&workspace),
         Command::Docs => commands::docs::run(&workspace),
+        Command::Elements(arguments) => commands::elements::run(&workspace, &arguments),
     }
 }
 

@@ -1,0 +1,144 @@
+//! Constants of the laws, from the parameters of the FMU.
+
+use crate::stack::Oil;
+use pushbelt::contact::Contact;
+use pushbelt::variator::settings::{ParameterError, Parameters, PulleyParameters};
+
+/// What this model has beside the FMU's parameters, and the loads of a case.
+#[derive(Clone, Debug, clap::Parser)]
+pub struct Options {
+    /// Closing force of the secondary pulley, N
+    #[arg(long, default_value_t = 15.0e3)]
+    pub force: f64,
+    /// Speed of the primary pulley, rad/s
+    #[arg(long, default_value_t = 209.0)]
+    pub speed: f64,
+    /// Ratio at the start [default: that of the case]
+    #[arg(long)]
+    pub start_ratio: Option<f64>,
+    /// Duration, s, whose last quarter is the result [default: 0.3, at both end ratios or below 100
+    /// rad/s 0.5]
+    #[arg(long)]
+    pub duration: Option<f64>,
+    /// Time step, s [default: 2e-6 at a primary speed of 200 rad/s, in proportion to 1/speed, at
+    /// most 4e-6]
+    #[arg(long)]
+    pub step: Option<f64>,
+    /// Oil: distance of rough faces in contact, m
+    #[arg(long, default_value_t = 6.0e-6)]
+    pub film: f64,
+    /// Oil: force per rate of strain at zero gap, N·s
+    #[arg(long, default_value_t = 75.0)]
+    pub squeeze: f64,
+    /// Lever of the ring's friction, m [default: that of the innermost layer]
+    #[arg(long)]
+    pub lever: Option<f64>,
+    /// Contact force of ring and element up to which it has no friction, N
+    #[arg(long, default_value_t = 0.0)]
+    pub contact_threshold: f64,
+    /// Damping time of the ring's curvature, s
+    #[arg(long, default_value_t = 2.0e-5)]
+    pub curvature_damping: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        clap::Parser::parse_from([""])
+    }
+}
+
+/// Constants of all laws. Pulleys are in the order secondary, primary.
+#[derive(Clone, Debug)]
+pub struct Law {
+    /// Parameters of the FMU.
+    pub parameters: Parameters,
+    /// What this model has beside them.
+    pub options: Options,
+    /// Number N of elements.
+    pub count: usize,
+    /// Thickness h of an element, m.
+    pub thickness: f64,
+    /// Mass of an element, kg.
+    pub mass: f64,
+    /// Contact stiffness between neighbours k_e/h, N/m.
+    pub push_stiffness: f64,
+    /// Oil in the gaps.
+    pub oil: Oil,
+    /// Lever e_1 of the ring's friction, m.
+    pub lever: f64,
+    /// Contact of the flanks with a damping time of 1 s: its damping force is that of unit closing.
+    pub unit_damped: Contact,
+    /// sin β, cos β, tan β.
+    pub wedge: [f64; 3],
+    /// Pitch radius of unloaded contact at z = 0, m.
+    pub r0: f64,
+    /// Axes of the pulleys, x, m.
+    pub axes: [f64; 2],
+}
+
+impl Law {
+    /// The constants at these parameters.
+    ///
+    /// # Errors
+    /// A parameter is out of its range, the belt is a chain, or the lever is negative.
+    pub fn new(parameters: &Parameters, options: &Options) -> Result<Self, ParameterError> {
+        parameters.validate()?;
+        let error = |name, value: f64, range| Err(ParameterError::new(name, value, range));
+        if parameters.is_chain() {
+            let range = "PushBelt: a chain has no elements";
+            return Err(ParameterError::new("belt.kind", "PullChain", range));
+        }
+        let (belt, geometry, layers) = (&parameters.belt, &parameters.geometry, &parameters.layers);
+        // From the rocking edge out to the middle of the innermost layer.
+        let innermost = belt.pitch_offset - 0.5 * f64::from(layers.count - 1) * layers.thickness;
+        let lever = options.lever.unwrap_or(innermost);
+        if lever.is_nan() || lever < 0.0 {
+            return error("lever", lever, "at least 0: the saddle lies outside the rocking edge");
+        }
+        let pitch_length = geometry.belt_length - std::f64::consts::TAU * belt.pitch_offset;
+        let (name, thickness) = ("belt.elementThickness", belt.element_thickness);
+        let oil = Oil::of_squeeze(options.squeeze, options.film, thickness, belt.suction);
+        let count = ((pitch_length - belt.play) / thickness).round();
+        if !(50.0..=1e5).contains(&count) {
+            return error(name, thickness, "50 to 100000 elements in the belt");
+        }
+        let Some((r0, _)) = parameters.pitch_radii(1.0) else {
+            return error(
+                "geometry.beltLength",
+                geometry.belt_length,
+                "a belt that closes at ratio 1",
+            );
+        };
+        // The stack is as long as it shall be; the thickness gives way by less than h/2N.
+        let thickness = (pitch_length - belt.play) / count;
+        let beta = geometry.wedge_angle;
+        Ok(Self {
+            options: options.clone(),
+            count: count as usize,
+            thickness,
+            mass: belt.mass_per_length * thickness,
+            push_stiffness: belt.push_stiffness / thickness,
+            oil,
+            lever,
+            unit_damped: Contact {
+                damping: 1.0,
+                ..parameters.contact.clone()
+            },
+            wedge: [beta.sin(), beta.cos(), beta.tan()],
+            r0,
+            axes: [0.0, geometry.center_distance],
+            parameters: parameters.clone(),
+        })
+    }
+
+    /// Parameters of the pulleys.
+    pub fn pulleys(&self) -> [&PulleyParameters; 2] {
+        [&self.parameters.secondary, &self.parameters.primary]
+    }
+
+    /// (Δt + η_κ) EI/h³, the slope of the ring's bending in a step of `dt`, N·s/m.
+    pub fn bending_slope(&self, dt: f64) -> f64 {
+        let stiffness = self.parameters.ring.bending_stiffness;
+        (dt + self.options.curvature_damping) * stiffness / self.thickness.powi(3)
+    }
+}

@@ -1,0 +1,324 @@
+//! A belt of single elements on two pulleys, and its step in time.
+//!
+//! A step is linearly implicit, in three sets of equations along the belt: speeds w of the steel
+//! (tridiagonal), V of the elements along the belt (tridiagonal), U across it (the beam's five
+//! diagonals). Contact, dampings, oil and friction are linear in the speeds after the step; each
+//! pair of bodies gets the same force.
+
+use crate::belt::{Belt, Vector, close, cross};
+use crate::cyclic::{Pentadiagonal, Tridiagonal};
+use crate::flanks::{Flanks, Load};
+use crate::law::Law;
+use crate::pulleys::{Cone, Pulley, Shaft};
+use crate::ring::Ring;
+use crate::stack::Stack;
+use pushbelt::contact::energy_density;
+use pushbelt::pulley::Travel;
+use pushbelt::scalar::{Real as _, soft_plus_energy};
+use pushbelt_archive::Archive;
+
+/// Works and losses since the start, J, in the order of [`Ledger::NAMES`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger(pub [f64; 16]);
+
+impl Ledger {
+    /// Names of the entries. The first four are works from outside; all others are losses.
+    pub const NAMES: &str = "work.secondary,work.primary,work.secondaryCone,work.primaryCone,\
+        loss.secondarySheaves,loss.primarySheaves,loss.flankDamping,loss.ring,loss.oil,\
+        loss.pushDamping,loss.ringDamping,loss.ringBending,loss.secondaryDrag,loss.primaryDrag,\
+        loss.cones,loss.tilt";
+
+    /// Sum of the works from outside.
+    pub fn work(&self) -> f64 {
+        self.0[..4].iter().sum()
+    }
+
+    /// Sum of the losses.
+    pub fn losses(&self) -> f64 {
+        self.0[4..].iter().sum()
+    }
+}
+
+/// Why a run can't go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("element {element} at {time:.6} s: {cause}")]
+pub struct Fault {
+    /// The element, 1 to N.
+    pub element: usize,
+    /// Time, s.
+    pub time: f64,
+    /// What happened.
+    pub cause: String,
+}
+
+/// Speed across the belt at which an element counts as lost, m/s.
+const LOST: f64 = 20.0;
+
+/// The machine.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    /// Constants.
+    pub law: Law,
+    /// Step, s.
+    pub dt: f64,
+    /// Time, s.
+    pub time: f64,
+    /// Elements, and the steel at them.
+    pub belt: Belt,
+    /// Forces of the ring.
+    pub ring: Ring,
+    /// Forces of the gaps.
+    pub stack: Stack,
+    /// Forces of the flanks.
+    pub flanks: Flanks,
+    /// Secondary and primary pulley.
+    pub pulleys: [Pulley; 2],
+    /// What acts on them.
+    pub drive: [(Shaft, Cone); 2],
+    /// Loads of the belt on them in the last step.
+    pub loads: [Load; 2],
+    /// Works and losses.
+    pub ledger: Ledger,
+    /// Changes of w and of V + iU in the last step.
+    changes: (Vec<f64>, Vec<Vector>),
+    rows: [Vec<f64>; 3],
+    three: Tridiagonal,
+    five: Pentadiagonal,
+}
+
+impl Machine {
+    /// A machine whose elements are at the points of a closed line, in the order of travel, at
+    /// rest; `s` of the nodes such that the steel has the same strain everywhere.
+    pub fn new(law: Law, dt: f64, points: impl Iterator<Item = Vector>) -> Self {
+        let n = law.count;
+        let mut machine = Self {
+            dt,
+            time: 0.0,
+            belt: Belt::new(n),
+            ring: Ring::new(n),
+            stack: Stack::new(n),
+            flanks: Flanks::default(),
+            pulleys: [Pulley::default(); 2],
+            drive: [(Shaft::Torque(0.0), Cone::Held); 2],
+            loads: [Load::default(); 2],
+            ledger: Ledger::default(),
+            changes: (vec![0.0; n + 2], vec![Vector::default(); n + 2]),
+            rows: [vec![0.0; n], vec![0.0; n], vec![0.0; n]],
+            three: Tridiagonal::new(n),
+            five: Pentadiagonal::new(n),
+            law,
+        };
+        let (law, belt, ring) = (&machine.law, &mut machine.belt, &mut machine.ring);
+        belt.p[1..=n].iter_mut().zip(points).for_each(|(p, point)| *p = point);
+        belt.place();
+        belt.turn.fill(0.0);
+        ring.place(law, belt);
+        let per_chord = law.parameters.geometry.belt_length / ring.length[1..=n].iter().sum::<f64>();
+        for i in 1..n {
+            belt.s[i + 1] = belt.s[i] + ring.length[i] * per_chord;
+        }
+        machine
+    }
+
+    /// One step.
+    pub fn step(&mut self) {
+        let (n, dt, law, belt) = (self.law.count, self.dt, &self.law, &mut self.belt);
+        let (per_step, steel) = (1.0 / dt, law.parameters.geometry.belt_length);
+        belt.place();
+        close(&mut belt.v);
+        close(&mut belt.w);
+        (belt.s[0], belt.s[n + 1]) = (belt.s[n] - steel, belt.s[1] + steel);
+        self.ring.place(law, belt);
+        self.stack.evaluate(law, dt, belt);
+        self.ring.evaluate(law, dt, belt);
+        self.flanks.evaluate(law, &self.pulleys, belt);
+
+        let (dw, dv) = (&mut self.changes.0[..n + 2], &mut self.changes.1[..n + 2]);
+        let [diagonal, off, right] = self.rows.each_mut().map(|row| &mut row[..n]);
+        self.ring.rows(law, dt, belt, [diagonal, off, right]);
+        self.three.solve(diagonal, off, right);
+        dw[1..=n].copy_from_slice(right);
+        close(dw);
+        belt.w.iter_mut().zip(&*dw).for_each(|(w, change)| *w += change);
+        self.ring.correct(law, dt, belt, dw);
+
+        let couple = 0.5 * law.lever / law.thickness;
+        let (flank, ring_turn) = (&self.flanks.of[..n + 2], &self.ring.turn[..n + 2]);
+        cut!(n + 2; belt => v, w, t, turn, unit);
+        cut!(n + 2; self.ring => drag, force, mass);
+        for k in 0..n {
+            let i = k + 1;
+            diagonal[k] = law.mass * per_step + flank[i].slope[0];
+            // o of a neighbour has a component along t.
+            let bend = |a: usize| cross(t[a + 1], t[a]);
+            let turned = couple * (drag[k] * bend(k) + drag[i + 1] * bend(i));
+            right[k] = flank[i].force.re + drag[i] + turned - law.mass * v[i].im * turn[i] * per_step;
+        }
+        self.stack.rows(law, belt, [diagonal, off, right]);
+        self.three.solve(diagonal, off, right);
+        for (dv, change) in dv[1..=n].iter_mut().zip(&*right) {
+            dv.re = *change;
+        }
+        close(dv);
+        self.stack.correct(dv);
+
+        let push = &self.stack.push[..n + 2];
+        for k in 0..n {
+            let i = k + 1;
+            let pushed = |c: usize| push[c] * cross(t[i], unit[c]);
+            let [_, mixed, own] = flank[i].slope;
+            diagonal[k] = (law.mass + mass[i]) * per_step + own;
+            right[k] = pushed(k) - pushed(i) + force[i].im + flank[i].force.im - mixed * dv[i].re
+                + couple * (drag[i + 1] - drag[k])
+                + law.mass * (v[i].re + dv[i].re) * turn[i] * per_step
+                + mass[i] * w[i] * ring_turn[i];
+        }
+        self.five.solve(diagonal, law.bending_slope(dt), right);
+        for (dv, change) in dv[1..=n].iter_mut().zip(&*right) {
+            dv.im = *change;
+        }
+        close(dv);
+        belt.v.iter_mut().zip(&*dv).for_each(|(v, change)| *v += change);
+
+        self.loads = self.flanks.loads(law, dt, dv);
+        self.add_losses();
+        self.advance();
+    }
+
+    /// Moves elements, nodes and pulleys by the speeds after the step.
+    fn advance(&mut self) {
+        let (n, dt, e) = (self.law.count, self.dt, self.law.parameters.belt.pitch_offset);
+        let per_step = 1.0 / dt;
+        cut!(n + 1; self.belt => v, w, t, turn);
+        cut!(n + 1; mut self.belt => p, s);
+        cut!(n + 1; self.ring => length, steel);
+        for i in 1..=n {
+            let half = 0.5 * turn[i];
+            // t' = t cos − o sin, o' = o cos + t sin.
+            let turned = v[i] * Vector::new(1.0 - 0.5 * half * half, -half);
+            p[i] += dt * (turned * t[i]);
+            let shrink = (steel[i] + steel[i - 1]) / (length[i] + length[i - 1]);
+            s[i] += dt * (v[i].re + e * turn[i] * per_step - w[i]) * shrink;
+        }
+        for (j, of) in self.law.pulleys().into_iter().enumerate() {
+            let work = self.pulleys[j].step(of, &self.loads[j], self.drive[j], dt);
+            for (entry, energy) in [j, 2 + j, 12 + j, 14, 15].into_iter().zip(work) {
+                self.ledger.0[entry] += energy;
+            }
+        }
+        self.time += dt;
+    }
+
+    /// Adds the losses of the step.
+    fn add_losses(&mut self) {
+        let (n, of) = (self.law.count, &self.law.parameters.ring);
+        cut!(n + 1; self.ring => friction, drag, steel, angle_rate, mass);
+        cut!(n + 1; self.stack => oil, damping);
+        let (closing, stretched) = (&self.stack.rate[..n + 1], &self.ring.rate[..n + 1]);
+        let [mut rubbed, mut oiled, mut damped, mut stretch, mut bend] = [0.0; 5];
+        for i in 1..=n {
+            rubbed += drag[i] * drag[i] / friction[i].max(f64::MIN_POSITIVE);
+            let square = closing[i] * closing[i];
+            oiled += oil[i] * square;
+            damped += damping[i] * square;
+            stretch += stretched[i] * stretched[i] / steel[i];
+            bend += angle_rate[i] * angle_rate[i] / mass[i];
+        }
+        stretch *= of.axial_stiffness * of.damping;
+        bend *= of.bending_stiffness * self.law.options.curvature_damping * of.mass_per_length;
+        let [s, p] = &self.loads;
+        let viscous = s.viscous + p.viscous;
+        let powers = [s.friction, p.friction, viscous, rubbed, oiled, damped, stretch, bend];
+        for (entry, power) in self.ledger.0[4..12].iter_mut().zip(powers) {
+            *entry += self.dt * power;
+        }
+    }
+
+    /// Stored energy by part, J: motion of elements and ring, stack, stretch, bending, flanks,
+    /// pulleys.
+    pub fn energies(&self) -> [f64; 6] {
+        let (law, belt, ring) = (&self.law, &self.belt, &self.ring);
+        let (of, contact) = (&law.parameters.ring, &law.parameters.contact);
+        let mut parts = [0.0; 6];
+        for i in 1..=law.count {
+            let (v, u, w) = (belt.v[i].re, belt.v[i].im, belt.w[i]);
+            parts[0] += 0.5 * (law.mass * (v * v + u * u) + ring.mass[i] * (w * w + u * u));
+            let overlap = law.thickness - belt.length[i];
+            parts[1] += law.push_stiffness * soft_plus_energy(overlap, law.parameters.belt.roughness);
+            let strain = ring.length[i] / ring.steel[i] - 1.0;
+            parts[2] += 0.5 * of.axial_stiffness * strain * strain * ring.steel[i];
+            let bent = 0.5 * of.bending_stiffness * ring.angle[i].powi(2);
+            parts[3] += bent * of.mass_per_length / ring.mass[i];
+        }
+        for touch in &self.flanks.touches {
+            let penetration = touch.motion.penetration;
+            let [depth, ..] = penetration.soft_plus(contact.roughness);
+            parts[4] += 2.0 * law.thickness * energy_density(contact, law.wedge[1], penetration, depth);
+        }
+        for (j, of) in law.pulleys().into_iter().enumerate() {
+            parts[5] += self.pulleys[j].energy(of, self.drive[j].0);
+        }
+        parts
+    }
+
+    /// Checks the state.
+    ///
+    /// # Errors
+    /// An element has left the belt, a gap is wider than an element is thick, the step was too
+    /// large, or a cone is at its stop.
+    pub fn check(&self) -> Result<(), Fault> {
+        let (law, belt, time, dt) = (&self.law, &self.belt, self.time, self.dt);
+        let fault = |element, cause| Err(Fault { element, time, cause });
+        for i in 1..=law.count {
+            let (p, v, gap) = (belt.p[i], belt.v[i], belt.length[i] - law.thickness);
+            if !(p.is_finite() && v.is_finite() && belt.w[i].is_finite() && belt.s[i].is_finite()) {
+                return fault(i, format!("its state is no number; a step smaller than {dt} s may do"));
+            }
+            if v.im.abs() > LOST {
+                let advice = format!("a step smaller than {dt} s may hold it");
+                return fault(i, format!("it leaves the belt at {:.1} m/s; {advice}", v.im));
+            }
+            if !(-0.1 * law.thickness..=law.thickness).contains(&gap) {
+                let advice = "the belt is torn or the step too large";
+                return fault(i, format!("the gap behind it is {:.3} mm: {advice}", 1e3 * gap));
+            }
+        }
+        for (j, (name, of)) in ["secondary", "primary"].into_iter().zip(law.pulleys()).enumerate() {
+            let travel = Travel::new((of.min_radius, of.max_radius), law.r0, law.wedge[2]);
+            let is_free = (travel.open..=travel.closed).contains(&self.pulleys[j].z);
+            if !is_free && self.drive[j].1 != Cone::Held {
+                // The element in the middle of the arc.
+                let outward = |i: &usize| (2.0 * j as f64 - 1.0) * belt.p[*i].re;
+                let at = (1..=law.count).max_by(|a, b| outward(a).total_cmp(&outward(b)));
+                let cause = format!("the {name} sheaves reach their stop: no steady state");
+                return fault(at.unwrap_or(1), cause);
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes what changes in a run to an archive, or reads it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        archive.real(&mut self.time);
+        archive.real(&mut self.dt);
+        let belt = &mut self.belt;
+        for Vector { re, im } in [&mut belt.p, &mut belt.v, &mut belt.t].into_iter().flatten() {
+            archive.real(re);
+            archive.real(im);
+        }
+        for values in [&mut belt.w, &mut belt.s, &mut self.ring.contact] {
+            archive.reals(values);
+        }
+        for p in &mut self.pulleys {
+            for value in [&mut p.omega, &mut p.z, &mut p.z_dot] {
+                archive.real(value);
+            }
+            archive.reals(&mut p.tilt);
+            archive.reals(&mut p.tilt_rate);
+        }
+        for load in &mut self.loads {
+            archive.reals(&mut load.weight);
+        }
+        archive.reals(&mut self.ledger.0);
+    }
+}

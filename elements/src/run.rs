@@ -1,0 +1,414 @@
+//! A run of a case: means over milliseconds, fields along the belt, and a state from which it goes
+//! on.
+
+use crate::case::{Case, Path};
+use crate::machine::{Fault, Ledger, Machine};
+use pushbelt::variator::settings::ParameterError;
+use pushbelt_archive::Archive;
+
+/// Interval of the results, s.
+const INTERVAL: f64 = 1.0e-3;
+/// Steps between checks of the state and samples of fields and extremes.
+const SAMPLE: u64 = 50;
+/// Number of places of the fields.
+const PLACES: usize = 72;
+/// Number of fields at a place.
+const FIELDS: usize = 7;
+/// Columns of the fields' file. The spread is a standard deviation.
+const FIELD_COLUMNS: &str = "position,pushForce,pushForce.spread,gap,gap.spread,ringTension,\
+    ringTension.spread,ringContact,ringContact.spread,normalForce,normalForce.spread,\
+    slidingSpeed,slidingSpeed.spread,ringSliding,ringSliding.spread";
+/// Part of a run whose mean is its result.
+const RESULT: f64 = 0.25;
+/// Slip beyond which the belt slips through.
+const THROUGH: f64 = 0.2;
+/// Change of the thrust ratio, relative, or of the slip between the last two parts beyond which a
+/// state is not steady.
+const STEADY: [f64; 2] = [0.01, 2.0e-3];
+/// Share of the difference of the strands' push forces by which an idle arc ends, as in the FMU.
+const IDLE_CHANGE: f64 = 0.1;
+/// Extremes of nothing.
+const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+
+/// Means over an interval of time. Pairs are in the order secondary, primary.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Row {
+    /// The end of its interval, s.
+    pub time: f64,
+    /// Its duration, s.
+    pub duration: f64,
+    /// Axial forces, N, radii, m, speeds, rad/s, and torques of the belt, N·m.
+    pub means: [[f64; 2]; 4],
+    /// Energies added to the ledger, J.
+    pub ledger: Ledger,
+    /// Change of the stored energy, J.
+    pub stored: f64,
+    /// Least and largest push force, N.
+    pub push_force: [f64; 2],
+    /// Number of open gaps.
+    pub open: f64,
+}
+
+/// Names of the columns before those of the [`Ledger`], of which W are given.
+const COLUMNS: &str = "time,ratio,thrustRatio,slip,efficiency,secondary.axialForce,\
+    primary.axialForce,secondary.radius,primary.radius,secondary.speed,primary.speed,\
+    secondary.beltTorque,primary.beltTorque,pushForceMin,pushForceMax,openGaps,residual";
+
+impl Row {
+    /// r_S/r_P of the running mean radii.
+    pub fn ratio(&self) -> f64 {
+        self.means[1][0] / self.means[1][1]
+    }
+
+    /// Axial force of the belt, primary over secondary.
+    pub fn thrust_ratio(&self) -> f64 {
+        self.means[0][1] / self.means[0][0]
+    }
+
+    /// 1 − (ω_S/ω_P)(r_S/r_P), with the running mean radii.
+    pub fn slip(&self) -> f64 {
+        1.0 - self.means[2][0] / self.means[2][1] * self.ratio()
+    }
+
+    /// Power of the belt on the driven pulley over that of the driving one; 0 where little flows.
+    pub fn efficiency(&self) -> f64 {
+        let [s, p] = [0, 1].map(|j| self.means[3][j] * self.means[2][j]);
+        let (from, to) = (-s.min(p), s.max(p));
+        if from > 1.0 && to > 0.0 { to / from } else { 0.0 }
+    }
+
+    /// Work less losses less the change of the stored energy, J.
+    fn surplus(&self) -> f64 {
+        self.ledger.work() - self.ledger.losses() - self.stored
+    }
+
+    /// The same over the energy that passes.
+    pub fn residual(&self) -> f64 {
+        self.surplus() / self.ledger.0[0].abs().max(self.ledger.0[1].abs())
+    }
+
+    /// The same over the losses.
+    pub fn residual_of_losses(&self) -> f64 {
+        self.surplus() / self.ledger.losses()
+    }
+
+    /// The mean of rows.
+    pub fn mean(rows: &[Self]) -> Self {
+        let count = rows.len() as f64;
+        let mut mean = Self {
+            push_force: NONE,
+            ..Self::default()
+        };
+        for row in rows {
+            mean.time = mean.time.max(row.time);
+            mean.duration += row.duration;
+            mean.stored += row.stored;
+            mean.open += row.open / count;
+            let means = mean.means.iter_mut().flatten().zip(row.means.iter().flatten());
+            means.for_each(|(mean, value)| *mean += value / count);
+            let ledger = mean.ledger.0.iter_mut().zip(row.ledger.0);
+            ledger.for_each(|(sum, energy)| *sum += energy);
+            widen(&mut mean.push_force, row.push_force);
+        }
+        mean
+    }
+
+    /// The columns of [`header`].
+    pub fn line(&self) -> String {
+        let ratios = [
+            self.time,
+            self.ratio(),
+            self.thrust_ratio(),
+            self.slip(),
+            self.efficiency(),
+        ];
+        let [least, most] = self.push_force;
+        let more = [least, most, self.open, self.residual()];
+        let powers = self.ledger.0.map(|energy| energy / self.duration);
+        line(&[&ratios[..], self.means.as_flattened(), &more, &powers].concat())
+    }
+}
+
+/// Extends limits to others.
+fn widen(limits: &mut [f64; 2], [least, most]: [f64; 2]) {
+    *limits = [limits[0].min(least), limits[1].max(most)];
+}
+
+/// Values with commas between.
+fn line(values: &[f64]) -> String {
+    let words: Vec<_> = values.iter().map(|value| short(*value).to_string()).collect();
+    words.join(",")
+}
+
+/// Six digits.
+pub(crate) fn short(value: f64) -> f64 {
+    let digits = 5_i32.saturating_sub(value.abs().log10().floor() as i32);
+    let digits = digits.clamp(0, 12) as usize;
+    format!("{value:.digits$}").parse().unwrap_or(value)
+}
+
+/// Names of all columns.
+pub fn header() -> String {
+    format!("{COLUMNS},{}", Ledger::NAMES)
+}
+
+/// A run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Its case.
+    pub case: Case,
+    /// Its machine.
+    pub machine: Machine,
+    /// Rows so far.
+    pub rows: Vec<Row>,
+    /// Steps so far.
+    pub steps: u64,
+    /// Sums since the last row.
+    sums: [[f64; 2]; 4],
+    count: f64,
+    extremes: [f64; 2],
+    /// Ledger and stored energy at the last row.
+    before: Ledger,
+    energy: f64,
+    /// Count, sums and sums of squares of the fields at each place.
+    fields: [[f64; 1 + 2 * FIELDS]; PLACES],
+}
+
+impl Run {
+    /// The start of a case.
+    ///
+    /// # Errors
+    /// A value is out of its range.
+    pub fn new(case: Case) -> Result<Self, ParameterError> {
+        Ok(Self {
+            machine: case.start()?,
+            case,
+            rows: Vec::new(),
+            steps: 0,
+            sums: [[0.0; 2]; 4],
+            count: 0.0,
+            extremes: NONE,
+            before: Ledger::default(),
+            energy: f64::NAN,
+            fields: [[0.0; 1 + 2 * FIELDS]; PLACES],
+        })
+    }
+
+    /// Whether its time is over.
+    pub fn is_done(&self) -> bool {
+        self.machine.time >= self.case.duration() - 0.5 * self.machine.dt
+    }
+
+    /// Advances by `steps`, or to its end.
+    ///
+    /// # Errors
+    /// The state is not admissible; rows so far are kept.
+    pub fn advance(&mut self, steps: u64) -> Result<(), Fault> {
+        for _ in 0..steps {
+            if self.is_done() {
+                break;
+            }
+            let machine = &mut self.machine;
+            self.case.drive(machine);
+            machine.step();
+            self.steps += 1;
+            let loads = &machine.loads;
+            let values = [
+                loads.map(|load| load.axial),
+                loads.map(|load| load.weight[1] / load.weight[0].max(f64::MIN_POSITIVE)),
+                machine.pulleys.map(|pulley| pulley.omega),
+                loads.map(|load| load.torque),
+            ];
+            let sums = self.sums.iter_mut().flatten().zip(values.iter().flatten());
+            sums.for_each(|(sum, value)| *sum += value);
+            self.count += 1.0;
+            if self.steps.is_multiple_of(SAMPLE) {
+                self.sample()?;
+            }
+            if self.machine.time >= (self.rows.len() + 1) as f64 * INTERVAL - 0.5 * self.machine.dt {
+                self.close_row();
+            }
+        }
+        Ok(())
+    }
+
+    fn close_row(&mut self) {
+        let machine = &self.machine;
+        let energy = machine.energies().iter().sum::<f64>();
+        let ledger = Ledger(std::array::from_fn(|k| machine.ledger.0[k] - self.before.0[k]));
+        let wide = machine.law.thickness + machine.law.oil.floor.min(1.0e-6);
+        let gaps = &machine.belt.length[1..=machine.law.count];
+        self.rows.push(Row {
+            time: machine.time,
+            duration: self.count * machine.dt,
+            means: self.sums.map(|pair| pair.map(|sum| sum / self.count)),
+            ledger,
+            // The first interval has no energy before it.
+            stored: if self.energy.is_nan() {
+                ledger.work() - ledger.losses()
+            } else {
+                energy - self.energy
+            },
+            push_force: self.extremes,
+            open: gaps.iter().filter(|length| **length > wide).count() as f64,
+        });
+        (self.before, self.energy) = (machine.ledger, energy);
+        (self.sums, self.count, self.extremes) = ([[0.0; 2]; 4], 0.0, NONE);
+    }
+
+    /// Checks the state, and adds to extremes and, in the part that is the result, to the fields.
+    fn sample(&mut self) -> Result<(), Fault> {
+        let machine = &self.machine;
+        machine.check()?;
+        for push in &machine.stack.push[1..=machine.law.count] {
+            widen(&mut self.extremes, [*push; 2]);
+        }
+        if machine.time < (1.0 - RESULT) * self.case.duration() || self.rows.is_empty() {
+            return Ok(());
+        }
+        let (path, belt) = (self.path(), &machine.belt);
+        for i in 1..=machine.law.count {
+            let xi = path.place(belt.p[i]);
+            let place = (xi / path.length() * PLACES as f64).round() as usize % PLACES;
+            let sum = &mut self.fields[place];
+            let omega = belt.turn[i] / machine.dt;
+            let values: [f64; FIELDS] = [
+                machine.stack.push[i],
+                (belt.length[i] - machine.law.thickness).max(0.0),
+                machine.ring.tension[i],
+                machine.ring.contact[i],
+                machine.flanks.of[i].normal,
+                machine.flanks.of[i].sliding,
+                belt.w[i] - belt.v[i].re - machine.law.lever * omega,
+            ];
+            sum[0] += 1.0;
+            for (k, value) in values.into_iter().enumerate() {
+                sum[1 + 2 * k] += value;
+                sum[2 + 2 * k] += value * value;
+            }
+        }
+        Ok(())
+    }
+
+    /// The line on which elements are in the present interval of time, for their place along the
+    /// belt.
+    pub fn path(&self) -> Path {
+        let radii = self.rows.last().map_or([f64::NAN; 2], |row| row.means[1]);
+        Path::new(self.machine.law.axes[1], radii)
+    }
+
+    /// The mean of a quarter of the run, counted from the end: 1 is the result.
+    pub fn quarter(&self, part: usize) -> Row {
+        let count = ((self.rows.len() as f64 * RESULT).ceil() as usize).max(1);
+        let end = self.rows.len().saturating_sub((part - 1) * count);
+        Row::mean(&self.rows[end.saturating_sub(count)..end])
+    }
+
+    /// Whether the end is a steady state.
+    ///
+    /// # Errors
+    /// The belt slips through, or thrust ratio or slip still change.
+    pub fn check_steady(&self) -> Result<(), Fault> {
+        if self.rows.len() < 8 {
+            return Ok(());
+        }
+        let [now, before] = [1, 2].map(|part| self.quarter(part));
+        let thrust = now.thrust_ratio() / before.thrust_ratio() - 1.0;
+        let slip = now.slip() - before.slip();
+        let cause = if now.slip().abs() > THROUGH {
+            format!("the belt slips through, at {:.1} %", 100.0 * now.slip())
+        } else if thrust.abs() > STEADY[0] || slip.abs() > STEADY[1] {
+            let (thrust, slip) = (100.0 * thrust, 100.0 * slip);
+            let quarter = "points in the last quarter";
+            format!("the thrust ratio changes by {thrust:.2} % and the slip by {slip:.3} {quarter}")
+        } else {
+            return Ok(());
+        };
+        let sliding = |i: &usize| self.machine.flanks.of[*i].sliding;
+        let fastest = (1..=self.machine.law.count).max_by(|i, k| sliding(i).total_cmp(&sliding(k)));
+        Err(Fault {
+            element: fastest.unwrap_or(1),
+            time: self.machine.time,
+            cause: format!("no steady state: {cause}"),
+        })
+    }
+
+    /// Fields along the belt, CSV: place, m, and of each field mean and standard deviation over the
+    /// elements that passed.
+    pub fn fields_csv(&self) -> String {
+        let length = self.path().length();
+        let lines = self.fields.iter().enumerate().map(|(k, sum)| {
+            let mut values = vec![length * k as f64 / PLACES as f64];
+            for pair in sum[1..].chunks(2) {
+                let mean = pair[0] / sum[0];
+                values.extend([mean, (pair[1] / sum[0] - mean * mean).max(0.0).sqrt()]);
+            }
+            line(&values) + "\n"
+        });
+        format!("{FIELD_COLUMNS}\n{}", lines.collect::<String>())
+    }
+
+    /// The idle arcs of S and P, rad: from the entry on, up to where the push force has changed by
+    /// 10 % of its difference between the strands from that of the strand before.
+    pub fn idle_arcs(&self) -> [f64; 2] {
+        let path = self.path();
+        let per_place = path.length() / PLACES as f64;
+        let [s, p] = [0, 1].map(|j| path.wraps()[j] * path.radii[j]);
+        let strand = path.length() - s - p;
+        let push = |k: usize| self.fields[k % PLACES][1] / self.fields[k % PLACES][0];
+        let mean = |from: f64, to: f64| {
+            let places = (from / per_place).ceil() as usize..=(to / per_place) as usize;
+            let count = places.clone().count() as f64;
+            places.map(push).sum::<f64>() / count
+        };
+        let upper = mean(0.5 * s, 0.5 * (s + strand));
+        let lower = mean(0.5 * (s + strand) + p, 0.5 * s + strand + p);
+        let limit = IDLE_CHANGE * (upper - lower).abs();
+        [(0, lower, 0.5 * s + strand + p, s), (1, upper, 0.5 * (s + strand), p)].map(|(j, entry, from, arc)| {
+            let first = (from / per_place).ceil();
+            let change = |k: usize| (push(first as usize + k) - entry).abs();
+            let mut places = 0..(arc / per_place) as usize;
+            let Some(k) = places.find(|k| change(*k) > limit) else {
+                return path.wraps()[j];
+            };
+            let before = if k > 0 { change(k - 1) } else { 0.0 };
+            let share = ((limit - before) / (change(k) - before)).clamp(0.0, 1.0);
+            let place = (first + k as f64 - 1.0 + share) * per_place;
+            ((place - from) / path.radii[j]).max(0.0)
+        })
+    }
+
+    /// Rows so far, CSV.
+    pub fn rows_csv(&self) -> String {
+        let lines = self.rows.iter().map(|row| row.line() + "\n");
+        format!("{}\n{}", header(), lines.collect::<String>())
+    }
+
+    /// Writes the run to an archive, or reads it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        self.machine.serialize(archive);
+        archive.counter(&mut self.steps);
+        archive.reals(self.sums.as_flattened_mut());
+        let [least, most] = &mut self.extremes;
+        for value in [&mut self.count, &mut self.energy, least, most] {
+            archive.any_real(value);
+        }
+        archive.reals(&mut self.before.0);
+        archive.reals(self.fields.as_flattened_mut());
+        let mut rows = self.rows.len() as u64;
+        archive.counter(&mut rows);
+        if archive.is_reading() {
+            // Not more than the duration has.
+            let most = (self.case.duration() / INTERVAL) as usize + 1;
+            self.rows = vec![Row::default(); most.min(rows as usize)];
+        }
+        for row in &mut self.rows {
+            for value in [&mut row.time, &mut row.duration, &mut row.stored, &mut row.open] {
+                archive.real(value);
+            }
+            archive.reals(row.means.as_flattened_mut());
+            archive.reals(&mut row.push_force);
+            archive.reals(&mut row.ledger.0);
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! Contact of neighbouring elements at the rocking edge, and the oil between their faces.
+//!
+//! With the gap g = |p_{i+1} − p_i| − h, its rate ġ along the chord, K = k_e/h and the roughness ρ,
+//!
+//! Q = K (⟨−g⟩ − d_e H ġ) − S(c ġ), c = C/(h_0 + g₊)³,
+//!
+//! - ⟨x⟩ = ρ ln(1 + e^{x/ρ}), H its slope at −g, g₊ = ⟨−g⟩ + g: no force acts across a gap at rest,
+//! - C: oil of viscosity η between parallel faces a × b, a < b, of which the share f is filled
+//!   (Reynolds' equation with the pressure of the surroundings at all four edges, within 1 % for
+//!   a ≤ b/2): C = f η a³ b (1 − 0.63 a/b). The floor h_0 is that of rough faces in contact,
+//! - S(F) = F in closing, F/√(1 + (F/F_c)²) in opening: the oil cavitates at the suction F_c.
+//!
+//! The law is linear in the speeds at the end of a step: Q = K (⟨−g⟩ − (Δt + d_e) H ġ) − c' ġ, with
+//! c' = S/ġ at the speed of the step before.
+
+use crate::belt::{Belt, Vector, dot};
+use crate::law::Law;
+use pushbelt::scalar::{LANES, Lanes, Real};
+
+/// Oil between two elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oil {
+    /// C, N·s·m².
+    pub constant: f64,
+    /// h_0, m.
+    pub floor: f64,
+    /// F_c, N.
+    pub suction: f64,
+}
+
+impl Oil {
+    /// Oil with the viscosity `eta`, Pa·s, between faces of `sides`, m, that it fills to the share
+    /// `fill`.
+    pub fn between_faces(eta: f64, sides: [f64; 2], fill: f64, floor: f64) -> Self {
+        let [a, b] = [sides[0].min(sides[1]), sides[0].max(sides[1])];
+        Self {
+            constant: fill * eta * a.powi(3) * b * (1.0 - 0.63 * a / b),
+            floor,
+            suction: a * b * 1.0e5,
+        }
+    }
+
+    /// Oil with the force `squeeze`, N·s, per rate of strain of elements of `thickness` at zero
+    /// gap. 75 N·s at 6 µm are a tenth of oil of 10 mPa·s between faces of 8 by 24 mm.
+    pub fn of_squeeze(squeeze: f64, floor: f64, thickness: f64, suction: f64) -> Self {
+        Self {
+            constant: squeeze / thickness * floor.powi(3),
+            floor,
+            suction,
+        }
+    }
+
+    /// c' at the gap and its rate.
+    #[inline(always)]
+    fn coefficient<T: Real>(&self, gap: T, rate: T) -> T {
+        let wide = gap + self.floor;
+        let c = (wide * wide * wide).recip() * self.constant;
+        let share = c * rate * (1.0 / self.suction);
+        let (_, limited) = (share * share + 1.0).root_and_inverse();
+        c * rate.if_positive(limited, T::one())
+    }
+}
+
+rows! {
+    /// Forces of the gaps; chord i is gap i.
+    Stack {
+        push: f64, "Q, N.";
+        rate: f64, "ġ, m/s.";
+        slope: f64, "−∂Q/∂ġ in the step, N·s/m.";
+        damping: f64, "Its part by damping of the contact, N·s/m.";
+        oil: f64, "Its part by oil, N·s/m.";
+    }
+}
+
+impl Stack {
+    /// The law at the present gaps and speeds of the elements.
+    pub fn evaluate(&mut self, law: &Law, dt: f64, belt: &Belt) {
+        let gaps = law.count + 1;
+        cut!(gaps; belt => unit, length);
+        cut!(gaps + 1; belt => v, t);
+        cut!(gaps; mut self => push, rate, slope, damping, oil);
+        for i in 0..gaps {
+            rate[i] = dot(v[i + 1] * t[i + 1] - v[i] * t[i], unit[i]);
+        }
+        let (elements, stiffness) = (&law.parameters.belt, law.push_stiffness);
+        for from in (0..gaps).step_by(LANES) {
+            let many = LANES.min(gaps - from);
+            let pack = |of: &[f64]| Lanes::new(std::array::from_fn(|k| of[from + k.min(many - 1)]));
+            let (overlap, closing) = (-pack(length) + law.thickness, pack(rate));
+            let [closed, touching, _] = overlap.soft_plus(elements.roughness);
+            let by_oil = law.oil.coefficient(closed - overlap, closing);
+            let touching = touching * stiffness;
+            let total = touching * (dt + elements.damping) + by_oil;
+            for (row, value) in [
+                (&mut *damping, touching * elements.damping),
+                (oil, by_oil),
+                (slope, total),
+                (push, closed * stiffness - total * closing),
+            ] {
+                row[from..from + many].copy_from_slice(&value.to_array()[..many]);
+            }
+        }
+    }
+
+    /// Adds the gaps' part to the equations of V: their slopes to `diagonal`, `off`, the push
+    /// forces along t to `right`.
+    pub fn rows(&self, law: &Law, belt: &Belt, [diagonal, off, right]: [&mut [f64]; 3]) {
+        let n = law.count;
+        cut!(n + 1; self => push, slope);
+        cut!(n + 1; belt => unit, t);
+        let (diagonal, off, right) = (&mut diagonal[..n], &mut off[..n], &mut right[..n]);
+        for k in 0..n {
+            let i = k + 1;
+            let pushed = |c: usize| push[c] * dot(unit[c], t[i]);
+            diagonal[k] += slope[i] + slope[k];
+            off[k] = -slope[i];
+            right[k] += pushed(k) - pushed(i);
+        }
+    }
+
+    /// The push forces after speeds have changed by `change`, with its copies.
+    pub fn correct(&mut self, change: &[Vector]) {
+        for (c, pair) in change.windows(2).enumerate() {
+            let rise = pair[1].re - pair[0].re;
+            self.push[c] -= self.slope[c] * rise;
+            self.rate[c] += rise;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::belt::{chords, close};
+    use crate::cyclic::Tridiagonal;
+    use crate::law::Options;
+    use crate::near;
+    use pushbelt::variator::settings::Parameters;
+
+    /// Elements in a straight row along x, with forces on them. The gap from the last to the first
+    /// is far from contact.
+    struct Straight {
+        law: Law,
+        dt: f64,
+        belt: Belt,
+        force: Vec<f64>,
+        stack: Stack,
+    }
+
+    impl Straight {
+        fn new(law: Law, dt: f64, gap: f64) -> Self {
+            let n = law.count;
+            let mut belt = Belt::new(n);
+            belt.t.fill(1.0.into());
+            belt.p = (0..n + 2).map(|i| (i as f64 * (law.thickness + gap)).into()).collect();
+            Self {
+                force: vec![0.0; n],
+                stack: Stack::new(n),
+                law,
+                dt,
+                belt,
+            }
+        }
+
+        fn evaluate(&mut self) {
+            chords(&self.belt.p, &mut self.belt.unit, &mut self.belt.length);
+            self.stack.evaluate(&self.law, self.dt, &self.belt);
+        }
+
+        fn step(&mut self) {
+            let n = self.law.count;
+            close(&mut self.belt.p);
+            close(&mut self.belt.v);
+            self.evaluate();
+            let (mut diagonal, mut off) = (vec![self.law.mass / self.dt; n], vec![0.0; n]);
+            let mut change = self.force.clone();
+            let rows = [&mut diagonal[..], &mut off, &mut change];
+            self.stack.rows(&self.law, &self.belt, rows);
+            Tridiagonal::new(n).solve(&diagonal, &off, &mut change);
+            for (k, change) in change.into_iter().enumerate() {
+                self.belt.v[k + 1] += change;
+                self.belt.p[k + 1] += self.dt * self.belt.v[k + 1];
+            }
+        }
+    }
+
+    fn law(count: usize, oil: Oil) -> Law {
+        let law = Law::new(&Parameters::default(), &Options::default()).unwrap();
+        Law { count, oil, ..law }
+    }
+
+    const DRY: Oil = Oil {
+        constant: 0.0,
+        floor: 6.0e-6,
+        suction: 19.0,
+    };
+
+    /// √(k_e/m_e) = 2742 m/s.
+    #[test]
+    fn a_pulse_in_a_straight_stack_travels_at_the_speed_of_its_waves() {
+        let mut row = Straight::new(law(400, DRY), 1.0e-8, -5.0e-6);
+        row.law.parameters.belt.damping = 0.0;
+        let middle = 200.5;
+        for (i, v) in row.belt.v.iter_mut().enumerate() {
+            v.re = 1.0e-3 * (-((i as f64 - middle) / 10.0).powi(2)).exp();
+        }
+        let elements = 70.0;
+        let speed = (1.0e7_f64 / 1.33).sqrt();
+        assert!((speed - 2742.0).abs() < 0.5);
+        let steps = (elements * row.law.thickness / speed / row.dt).round() as usize;
+        for _ in 0..steps {
+            row.step();
+        }
+        let (mut sum, mut moment) = (0.0, 0.0);
+        for (i, v) in row.belt.v.iter().enumerate().take(310).skip(235) {
+            sum += v.re;
+            moment += v.re * (i as f64 - middle);
+        }
+        near(moment / sum, elements, 0.01);
+    }
+
+    /// A constant force F closes a gap: 1/(h_0 + g)² = 1/(h_0 + g_0)² + 2 F t/C.
+    #[test]
+    fn a_gap_closes_over_oil_as_reynolds_says() {
+        let oil = Oil::between_faces(0.01, [8.0e-3, 24.0e-3], 0.1, 6.0e-6);
+        let (start, force) = (50.0e-6, 1.0);
+        let mut row = Straight::new(law(7, oil), 1.0e-7, start);
+        row.law.parameters.belt.roughness = 1.0e-9;
+        // The first two approach, without inertia at the start; the others are far.
+        (row.force[0], row.force[1]) = (force, -force);
+        row.belt.v[1].re = 0.5 * force * (start + oil.floor).powi(3) / oil.constant;
+        row.belt.v[2] = -row.belt.v[1];
+        for i in 3..9 {
+            row.belt.p[i] += 1.0e-2 * (i - 2) as f64;
+        }
+        let steps = 56_000;
+        for _ in 0..steps {
+            row.step();
+        }
+        let gap = row.belt.p[2].re - row.belt.p[1].re - row.law.thickness;
+        let wide = |gap: f64| (oil.floor + gap).powi(-2);
+        let time = f64::from(steps) * row.dt;
+        let expected = (wide(start) + 2.0 * force * time / oil.constant).powf(-0.5) - oil.floor;
+        assert!(gap < 0.5 * start);
+        near(gap, expected, 0.01);
+    }
+
+    /// Reynolds' series for a rectangle: F = C ġ/g³.
+    #[test]
+    fn the_constant_of_a_rectangle_is_that_of_the_series() {
+        let (a, b) = (8.0e-3_f64, 24.0e-3_f64);
+        let pi = std::f64::consts::PI;
+        let series: f64 = (0..60)
+            .map(|k| {
+                let n = f64::from(2 * k + 1);
+                let half = n * pi * b / (2.0 * a);
+                (1.0 - half.tanh() / half) * 96.0 / (n * pi).powi(4)
+            })
+            .sum();
+        let found = Oil::between_faces(0.01, [a, b], 1.0, 6.0e-6).constant;
+        near(found, 0.01 * a.powi(3) * b * series, 0.01);
+    }
+
+    /// The suction never exceeds that at which oil cavitates.
+    #[test]
+    fn oil_cavitates() {
+        let oil = Oil::of_squeeze(75.0, 6.0e-6, 1.5e-3, 19.0);
+        for rate in [1e-4, 1e-2, 1.0, 100.0] {
+            assert!(oil.coefficient(0.0, rate) * rate <= oil.suction);
+            assert!(oil.coefficient(0.0, -rate) * rate >= oil.coefficient(0.0, rate) * rate);
+        }
+    }
+
+    /// −∂Q/∂ġ and −Δt ∂Q/∂g by differences.
+    #[test]
+    fn the_slope_of_a_step_is_that_of_the_law() {
+        let dt = 2.0e-6;
+        let push = |gap: f64, rate: f64, dt: f64| {
+            let mut row = Straight::new(law(7, DRY), dt, gap);
+            row.belt.v[2].re = rate;
+            row.evaluate();
+            (row.stack.push[1], row.stack.slope[1])
+        };
+        for gap in [-2.0e-6, -1.0e-7, 0.0, 1.0e-7] {
+            let (_, slope) = push(gap, 0.0, dt);
+            let by_rate = -(push(gap, 1e-3, 0.0).0 - push(gap, -1e-3, 0.0).0) / 2e-3;
+            let by_gap = -(push(gap + 1e-11, 0.0, 0.0).0 - push(gap - 1e-11, 0.0, 0.0).0) / 2e-11;
+            near(slope, by_rate + dt * by_gap, 1e-5);
+        }
+    }
+}
