@@ -63,8 +63,8 @@ fn work(model: RingModel, mut lengths: impl FnMut(u32) -> f64, end: f64) -> [u64
 
 /// Irregular communication steps take at most 1.3 times the work, residuals and 12 for each Jacobian, of equal ones with the same mean:
 /// random ones of 0.055 to 0.145 ms, and 0.33 and 2.17 ms in turn.
-fn irregular_steps(model: RingModel, random: [u64; 2], in_turn: [u64; 2]) {
-    let total = |[residuals, jacobians]: [u64; 2]| (residuals + 12 * jacobians) as f64;
+fn irregular_steps(model: RingModel, random: u64, in_turn: u64) {
+    let total = |[residuals, jacobians]: [u64; 2]| residuals + 12 * jacobians;
     let mut noise = noise(1);
     let found = work(model, |_| 1e-4 * (1.0 + 0.9 * noise()), 0.25);
     let alternating = work(model, |k| if k % 2 == 0 { 0.33e-3 } else { 2.17e-3 }, 1.0);
@@ -72,22 +72,20 @@ fn irregular_steps(model: RingModel, random: [u64; 2], in_turn: [u64; 2]) {
         ("random", found, random, work(model, |_| 1e-4, 0.25)),
         ("in turn", alternating, in_turn, work(model, |_| 1.25e-3, 1.0)),
     ] {
-        let share = total(found) / total(equal);
+        let share = total(found) as f64 / total(equal) as f64;
         assert!(share <= 1.3, "{what}: {share} times the work, {found:?} for {equal:?}");
-        for (k, count) in ["residuals", "Jacobians"].into_iter().enumerate() {
-            assert_pinned(found[k], pinned[k], &format!("{count}, {what}"));
-        }
+        assert_pinned(total(found), pinned, what);
     }
 }
 
 #[test]
 fn irregular_steps_of_ale() {
-    irregular_steps(RingModel::Ale, [6538, 91], [3365, 80]);
+    irregular_steps(RingModel::Ale, 7630, 4325);
 }
 
 #[test]
 fn irregular_steps_of_ale0() {
-    irregular_steps(RingModel::Ale0, [5828, 37], [3330, 72]);
+    irregular_steps(RingModel::Ale0, 6272, 4194);
 }
 
 /// The coarse variator with a ramp of the inputs.
