@@ -177,7 +177,7 @@ def test_each_build_continues_from_its_own_state_and_from_that_of_another(
 
 @pytest.fixture(scope="module", params=BELTS)
 def manoeuvres(request: pytest.FixtureRequest, host: Host, place: Path, description) -> dict[str, np.ndarray]:
-    """Readings every 0.1 s of the demo's manoeuvre with a belt, by each library."""
+    """Readings every 0.1 s of the demo's manoeuvre with a belt, by both libraries and by that of Windows for all processors."""
     variables, inputs = {one.name: one for one in description.modelVariables}, manoeuvre_inputs()
 
     def lines(values) -> list[str]:
@@ -190,17 +190,16 @@ def manoeuvres(request: pytest.FixtureRequest, host: Host, place: Path, descript
         calls += ["read"] * (step % 100 == 99)
     run = place / "manoeuvre.run"
     run.write_text("\n".join(calls))
-    return {build: host(build, "manoeuvre", run) for build in BUILDS}
+    return {build: host(build, "manoeuvre", run) for build in ("linux, AVX2", "linux", "windows")}
 
 
 def test_each_build_runs_each_belt_through_the_manoeuvre(manoeuvres, description) -> None:
     """From standstill, with macro-slip in it, where rounding grows: what a drivetrain reads agrees to a share of its range."""
     names = [variable.name for variable in readings_of(description)]
-    expected = manoeuvres["this machine"]
+    expected = manoeuvres["linux, AVX2"]
     for name in ("primary.speed", "secondary.speed", "ratio.geometric", "thrustRatio", "slip", "loss.total"):
         at = names.index(name)
         range_ = np.ptp(expected[:, at])
         assert len(expected) == 100 and range_ > 0.0
         for build, found in manoeuvres.items():
-            print(name, build, np.max(np.abs(found[:, at] - expected[:, at])) / range_)
             assert np.max(np.abs(found[:, at] - expected[:, at])) < 1e-3 * range_, (name, build)
