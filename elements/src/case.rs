@@ -5,7 +5,6 @@ use crate::belt::Vector;
 use crate::law::{Law, Options};
 use crate::machine::Machine;
 use crate::pulleys::{Cone, Shaft};
-use crate::run::short;
 use pushbelt::contact::full_slip_torque;
 use pushbelt::variator::settings::{ParameterError, Parameters};
 
@@ -229,4 +228,11 @@ impl Path {
         };
         if y < 0.0 { self.length() - upper } else { upper }
     }
+}
+
+/// Six digits.
+pub(crate) fn short(value: f64) -> f64 {
+    let digits = 5_i32.saturating_sub(value.abs().log10().floor() as i32);
+    let digits = digits.clamp(0, 12) as usize;
+    format!("{value:.digits$}").parse().unwrap_or(value)
 }

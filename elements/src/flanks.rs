@@ -15,7 +15,7 @@
 
 use crate::belt::{Belt, Vector};
 use crate::law::Law;
-use crate::pulleys::Pulley;
+use crate::pulleys::{Load, Pulley};
 use pushbelt::contact::{FlankMotion, flank_force};
 use pushbelt::scalar::{LANES, Lanes, Real as _};
 
@@ -47,27 +47,6 @@ pub(crate) struct Touch {
     damping: f64,
     /// c, N·s/m.
     drag: f64,
-}
-
-/// What the belt does to a pulley, and what it loses there.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Load {
-    /// Axial force on a sheave, N.
-    pub axial: f64,
-    /// Torque, N·m.
-    pub torque: f64,
-    /// Moment on a sheave, N·m.
-    pub tilting: Vector,
-    /// Its fall with ψ̇ in the step: xx, xy, yy, N·m·s.
-    pub resistance: [f64; 3],
-    /// Resultant on the belt, N.
-    pub resultant: Vector,
-    /// Sum of the normal forces of a flank, N, and of them times ϱ, N·m.
-    pub weight: [f64; 2],
-    /// Power of friction, W.
-    pub friction: f64,
-    /// Power of damping, W.
-    pub viscous: f64,
 }
 
 /// Force of an element on its flanks.

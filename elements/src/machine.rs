@@ -7,9 +7,9 @@
 
 use crate::belt::{Belt, Vector, close, cross};
 use crate::cyclic::{Pentadiagonal, Tridiagonal};
-use crate::flanks::{Flanks, Load};
+use crate::flanks::Flanks;
 use crate::law::Law;
-use crate::pulleys::{Cone, Pulley, Shaft};
+use crate::pulleys::{Cone, Load, Pulley, Shaft};
 use crate::ring::Ring;
 use crate::stack::Stack;
 use pushbelt::contact::energy_density;

@@ -5,8 +5,29 @@
 //! is stiffer than the sheave. Both sheaves of a pulley tilt alike. Cylinders, seals and the
 //! springs of end stops are not in this model: a cone that reaches an end stop ends the run.
 
-use crate::flanks::Load;
+use crate::belt::Vector;
 use pushbelt::variator::settings::PulleyParameters;
+
+/// What the belt does to a pulley, and what it loses there.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Load {
+    /// Axial force on a sheave, N.
+    pub axial: f64,
+    /// Torque, N·m.
+    pub torque: f64,
+    /// Moment on a sheave, N·m.
+    pub tilting: Vector,
+    /// Its fall with ψ̇ in the step: xx, xy, yy, N·m·s.
+    pub resistance: [f64; 3],
+    /// Resultant on the belt, N.
+    pub resultant: Vector,
+    /// Sum of the normal forces of a flank, N, and of them times ϱ, N·m.
+    pub weight: [f64; 2],
+    /// Power of friction, W.
+    pub friction: f64,
+    /// Power of damping, W.
+    pub viscous: f64,
+}
 
 /// State of a pulley.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

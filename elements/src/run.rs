@@ -1,7 +1,7 @@
 //! A run of a case: means over milliseconds, fields along the belt, and a state from which it goes
 //! on.
 
-use crate::case::{Case, Path};
+use crate::case::{Case, Path, short};
 use crate::machine::{Fault, Ledger, Machine};
 use pushbelt::variator::settings::ParameterError;
 use pushbelt_archive::Archive;
@@ -138,13 +138,6 @@ fn widen(limits: &mut [f64; 2], [least, most]: [f64; 2]) {
 fn line(values: &[f64]) -> String {
     let words: Vec<_> = values.iter().map(|value| short(*value).to_string()).collect();
     words.join(",")
-}
-
-/// Six digits.
-pub(crate) fn short(value: f64) -> f64 {
-    let digits = 5_i32.saturating_sub(value.abs().log10().floor() as i32);
-    let digits = digits.clamp(0, 12) as usize;
-    format!("{value:.digits$}").parse().unwrap_or(value)
 }
 
 /// Names of all columns.
