@@ -8,7 +8,7 @@
 //! `cargo run --release --example own_ring` prints thrust ratio and largest ring tension of three load cases for `ALE`, for
 //! this ring with c = 0, which must have the same results, and with stiffening. A shift checks the energy balance.
 //!
-//! The ring has the three parts of `pushbelt::variator::belt_ring`: [`StiffeningRing`] inside one cell, [`Stiffening`] as
+//! The ring has the three parts of `pushbelt::variator::ring_models`: [`StiffeningRing`] inside one cell, [`Stiffening`] as
 //! its [`RingKind`], and its implementation of [`BeltRing`]. Residual, Jacobian, outputs, energy balance and steady states
 //! follow from these.
 
@@ -18,9 +18,10 @@ use pushbelt::reference_curve::{ReferencePoint, TwoPulley};
 use pushbelt::ring::Ring;
 use pushbelt::ring::kinematics::{LineLoad, ReferenceMotion, RingPoint};
 use pushbelt::scalar::Real;
-use pushbelt::variator::belt_ring::{
-    Action, Ale, Assembly, Belt, BeltMesh, BeltRing, CellDivision, CellRing, Deflecting, Degrees, DegreesOfFreedom,
-    EulerianRing, Layout, MeshCurve, Part, Place, RingDensity, RingForces, RingKind, eulerian_equations, nodes,
+use pushbelt::variator::ring_models::{
+    Ale, Assembly, Belt, BeltMesh, BeltRing, CellDivision, CellGeometry, CellRing, Deflecting, Degrees,
+    DegreesOfFreedom, EulerianRing, Layout, MeshCurve, RingDensity, RingForces, RingKind, StateComponent, StationLoad,
+    eulerian_equations, nodes,
 };
 use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
 use pushbelt_support::load_cases::LoadCase;
@@ -56,8 +57,8 @@ impl<T: Real> CellRing<T> for StiffeningRing<'_, T> {
         self.ale.own_load(at, point, load) + tension
     }
 
-    fn apply(&mut self, at: usize, point: &RingPoint<T>, action: &Action<T>) {
-        self.ale.apply(at, point, action);
+    fn apply(&mut self, at: usize, point: &RingPoint<T>, station_load: &StationLoad<T>) {
+        self.ale.apply(at, point, station_load);
     }
 
     fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
@@ -91,12 +92,12 @@ impl<C: MeshCurve> RingKind<2, C> for Stiffening {
     fn ring<'a, T: Real>(
         &self,
         ring: &'a Ring,
-        (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        (geometry, motion): (&'a CellGeometry<'a, T>, &'a ReferenceMotion<T>),
         _curve: (&'a C::Frame<T>, usize),
-        unknown: impl Fn(Part, usize) -> T,
+        unknown: impl Fn(StateComponent, usize) -> T,
     ) -> StiffeningRing<'a, T> {
         StiffeningRing {
-            ale: Deflecting::new(ring, place, motion, &nodes(unknown)),
+            ale: Deflecting::new(ring, geometry, motion, &nodes(unknown)),
             stiffening: ring.axial_stiffness * self.factor,
         }
     }

@@ -7,7 +7,7 @@
 //!   sin θ),
 //! - its rate along an element's path Dg/Dt = ż/2 − ∂w/∂t − (tan β + ∂w/∂ϱ) v_r − (∂w/∂θ)(v_t,abs/ϱ),
 //! - normal force per flank and pitch-line length p = k_c cos β (⟨g⟩₊ + d_c H Dg/Dt), H the derivative of ⟨·⟩₊,
-//! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with the closing speed of
+//! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with the penetration rate of
 //!   the sheave's surface u = ż/2 − (∂w/∂t + ω ∂w/∂θ): a rotating tilted sheave closes and opens,
 //! - friction −μ(v) p_el (v_t, v_f)/√(v² + v₀²), v² = v_t² + v_f², with μ(v) = μ (1 − f v²/(v² + v_c²)): measured
 //!   traction decreases slightly in fast sliding. p_el ≥ 0 is the elastic part of p and f < 1, so friction always
@@ -17,7 +17,7 @@
 //! clearance (Greenwood and Williamson 1966).
 //!
 //! An element at the distance δ from the middle of its pulley, towards the movable sheave, has the penetration g + δ on
-//! that sheave and g − δ on the other. Its axial velocity δ̇ enters closing and sliding in the same way.
+//! that sheave and g − δ on the other. Its axial velocity δ̇ enters penetration rate and sliding in the same way.
 //!
 //! The normal force acts along the gradient of g, derivatives of w included. Its power is −2 p cos β Dg/Dt, and its energy
 //! 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an element's path.
@@ -59,7 +59,7 @@ pub struct FlankMotion<T> {
     /// g, m.
     pub penetration: T,
     /// Dg/Dt along the element's path, m/s.
-    pub closing: T,
+    pub penetration_rate: T,
     /// v_t, m/s.
     pub tangential: T,
     /// v_f, m/s.
@@ -72,7 +72,7 @@ impl<T: Real> FlankMotion<T> {
     pub fn map<U>(&self, f: impl Fn(T) -> U) -> FlankMotion<U> {
         FlankMotion {
             penetration: f(self.penetration),
-            closing: f(self.closing),
+            penetration_rate: f(self.penetration_rate),
             tangential: f(self.tangential),
             along_flank: f(self.along_flank),
         }
@@ -85,7 +85,7 @@ impl<T: Real> FlankMotion<T> {
     pub fn shifted(&self, offset: T, speed: T, sin_beta: f64) -> Self {
         Self {
             penetration: self.penetration + offset,
-            closing: self.closing + speed,
+            penetration_rate: self.penetration_rate + speed,
             tangential: self.tangential,
             along_flank: self.along_flank + speed * sin_beta,
         }
@@ -118,7 +118,7 @@ pub fn flank_force<T: Real>(
     let [depth, touching, _] = motion.penetration.soft_plus(contact.roughness);
     let k = contact.stiffness * cos_beta;
     let elastic = depth * k;
-    let viscous = touching * motion.closing * (k * contact.damping);
+    let viscous = touching * motion.penetration_rate * (k * contact.damping);
     let square = motion.tangential * motion.tangential + motion.along_flank * motion.along_flank;
     let (_, inverse_speed) = (square + friction.velocity * friction.velocity).root_and_inverse();
     let drag = -(elastic * (coefficient(friction, square) * inverse_speed));

@@ -27,7 +27,7 @@ pub struct Cylinder {
 impl Cylinder {
     /// Force of spring and rotating oil at position `z`, m, and angular speed `omega`, rad/s.
     #[inline]
-    pub fn push<T: Real>(&self, z: T, omega: T) -> T {
+    pub fn passive_force<T: Real>(&self, z: T, omega: T) -> T {
         -z * self.spring_stiffness + self.spring_force + omega * omega * self.centrifugal
     }
 

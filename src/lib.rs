@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`reference_curve`] | the belt's closed curve r(ξ, Θ) and its derivatives |
 //! | [`ring`] | beam kinematics, elastic energy, inertia |
-//! | `chain`, [`contact`], [`pulley`], [`tilt`], [`shaft`] | push elements, flank contact with friction, sheaves and their tilt, drag of shafts: laws without state |
+//! | `stack`, [`contact`], [`pulley`], [`tilt`], [`shaft`] | push elements, flank contact with friction, sheaves and their tilt, drag of shafts: laws without state |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::run::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
@@ -35,7 +35,7 @@
 //! set `opt-level = 3` in `[profile.dev]` and `codegen-units = 1` in `[profile.release]`. Allow AVX2 in your `.cargo/config.toml`
 //! (`rustflags = ["-C", "target-feature=+avx2"]`): cells are evaluated in packs as wide as a register.
 //!
-//! **A ring of your own.** [`variator::Variator::with_ring`] takes any [`variator::belt_ring::BeltRing`]; `examples/own_ring.rs` is one that
+//! **A ring of your own.** [`variator::Variator::with_ring`] takes any [`variator::ring_models::BeltRing`]; `examples/own_ring.rs` is one that
 //! stiffens as it stretches. Another belt system is a [`reference_curve::ReferenceCurve`]. To pack another model as an FMU use the
 //! crate `pushbelt-fmi` alone; its README has a complete one.
 #![forbid(unsafe_code)]
@@ -48,14 +48,14 @@ compile_error!(
      with RUSTFLAGS=\"-C target-cpu=x86-64-v3\", or without RUSTFLAGS"
 );
 
-#[doc(hidden)]
-pub mod chain;
 pub mod contact;
 pub mod cylinder;
 pub mod pulley;
 pub mod reference_curve;
 pub mod ring;
 pub mod shaft;
+#[doc(hidden)]
+pub mod stack;
 pub mod tilt;
 pub mod unit;
 pub mod variator;

@@ -44,7 +44,7 @@ pub struct Drag {
 impl ShaftDrag {
     /// The drag at the angular speed `omega`, rad/s, under contact forces whose resultant is `[x, y]`, N.
     #[must_use]
-    pub fn at(&self, omega: f64, [x, y]: [f64; 2]) -> Drag {
+    pub fn loads(&self, omega: f64, [x, y]: [f64; 2]) -> Drag {
         let square = x * x + y * y;
         let smooth = (square + RESULTANT_SMOOTHING * RESULTANT_SMOOTHING).sqrt();
         let lever = self.bearing_friction * self.bearing_radius;

@@ -19,9 +19,9 @@ use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
 /// Tilt stiffness from which a sheave is treated as rigid, independent of its clearance, N·m/rad.
 pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
 
-/// Stiffness within the clearance, as a share of k.
+/// Stiffness within the clearance, as a fraction of k.
 const SOFT: f64 = 0.02;
-/// δ, and the smoothing width of the end of the clearance, as shares of the clearance.
+/// δ, and the smoothing width of the end of the clearance, as fractions of the clearance.
 const ROUNDING: f64 = 0.02;
 const BEARING: f64 = 0.05;
 

@@ -327,7 +327,7 @@ fn nine_steady_states(mut parameters: Parameters, refinement: i32) -> (f64, (Cou
         };
         let found = solver.solve(&mut state, &task);
         ratios.push(found.ok().map(|_| {
-            let axial = BeltDiagnostics::of(&system, state.view()).sums.axial;
+            let axial = BeltDiagnostics::new(&system, state.view()).sums.axial;
             axial.primary / axial.secondary
         }));
         total += newton.counts;

@@ -2,7 +2,7 @@
 //!
 //! An element has the length h of its thickness on each of its two flanks, at its rocking edge:
 //! penetration g = z/2 − (ϱ − r_0) tan β − w, opening by tilt w = ϱ (ψ_x cos θ + ψ_y sin θ),
-//! closing ġ, sliding v_t = v·e_t − ω ϱ and v_f = v·e_r cos β + (ż/2 − ẇ − ω ∂w/∂θ) sin β, as
+//! penetration rate ġ, sliding v_t = v·e_t − ω ϱ and v_f = v·e_r cos β + (ż/2 − ẇ − ω ∂w/∂θ) sin β, as
 //! there; N and friction f from that law times h. In polar directions
 //!
 //! F_r = 2 [N cos β (tan β + ∂w/∂ϱ) + f_f cos β], F_t = 2 [N cos β ∂w/∂θ/ϱ + f_t];
@@ -84,7 +84,7 @@ impl Flanks {
             let motion = FlankMotion {
                 penetration: Lanes::new(motions.map(|m| m.penetration)),
                 // With unit damping, the viscous force is ∂N/∂g.
-                closing: Lanes::from(1.0),
+                penetration_rate: Lanes::from(1.0),
                 tangential: Lanes::new(motions.map(|m| m.tangential)),
                 along_flank: Lanes::new(motions.map(|m| m.along_flank)),
             };
@@ -137,7 +137,7 @@ impl Flanks {
             let Vector { re: v_r, im: v_t } = polar(turned, belt.v[i]);
             let motion = FlankMotion {
                 penetration,
-                closing: surface - slopes[0] * v_r - slope * v_t,
+                penetration_rate: surface - slopes[0] * v_r - slope * v_t,
                 tangential: v_t - p.omega * rho,
                 along_flank: v_r * cos_beta + (surface - p.omega * rho * slope) * sin_beta,
             };
@@ -177,7 +177,7 @@ impl Flanks {
             load.weight[0] += touch.elastic;
             load.weight[1] += touch.elastic * touch.rho;
             load.friction -= 2.0 * (tangential * motion.tangential + flank * motion.along_flank);
-            load.viscous += 2.0 * touch.damping * cos_beta * motion.closing * motion.closing;
+            load.viscous += 2.0 * touch.damping * cos_beta * motion.penetration_rate * motion.penetration_rate;
         }
         loads
     }
@@ -196,7 +196,7 @@ impl Touch {
     fn moved(&self, cos_beta: f64, change: Vector) -> FlankMotion<f64> {
         let Vector { re: r, im: t } = polar(self.turned, change);
         FlankMotion {
-            closing: self.motion.closing - self.slopes[0] * r - self.slopes[1] * t,
+            penetration_rate: self.motion.penetration_rate - self.slopes[0] * r - self.slopes[1] * t,
             tangential: self.motion.tangential + t,
             along_flank: self.motion.along_flank + r * cos_beta,
             ..self.motion
@@ -222,7 +222,7 @@ impl Touch {
     /// Forces along t and o, N; and N, f_t, f_f of a flank.
     #[inline(always)]
     fn forces(&self, cos_beta: f64, motion: &FlankMotion<f64>) -> (Vector, [f64; 3]) {
-        let normal = self.elastic + self.damping * motion.closing;
+        let normal = self.elastic + self.damping * motion.penetration_rate;
         let (tangential, flank) = (-self.drag * motion.tangential, -self.drag * motion.along_flank);
         let radial = 2.0 * cos_beta * (normal * self.slopes[0] + flank);
         let around = 2.0 * (normal * cos_beta * self.slopes[1] + tangential);
@@ -244,7 +244,7 @@ mod tests {
             slopes: [0.2, -0.03],
             motion: FlankMotion {
                 penetration: 1.0e-6,
-                closing: 0.01,
+                penetration_rate: 0.01,
                 tangential: 0.02,
                 along_flank: -0.01,
             },

@@ -84,7 +84,7 @@ impl Law {
     pub fn new(parameters: &Parameters, options: &Options) -> Result<Self, ParameterError> {
         parameters.validate()?;
         let error = |name, value: f64, range| Err(ParameterError::new(name, value, range));
-        if parameters.is_chain() {
+        if parameters.is_pull_chain() {
             let range = "PushBelt: a chain has no elements";
             return Err(ParameterError::new("belt.kind", "PullChain", range));
         }

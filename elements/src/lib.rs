@@ -44,7 +44,7 @@ macro_rules! cut {
     ($n:expr; $of:expr => $($row:ident),+) => { $(let $row = &$of.$row[..$n];)+ };
 }
 
-/// Checks that a value is what it should be, within a share of it.
+/// Checks that a value is what it should be, within a fraction of it.
 #[cfg(test)]
 #[track_caller]
 fn near(found: f64, expected: f64, within: f64) {

@@ -214,11 +214,11 @@ impl Machine {
         let (n, of) = (self.law.count, &self.law.parameters.ring);
         cut!(n + 1; self.ring => friction, drag, steel, angle_rate, mass);
         cut!(n + 1; self.stack => oil, damping);
-        let (closing, stretched) = (&self.stack.rate[..n + 1], &self.ring.rate[..n + 1]);
+        let (approaching, stretched) = (&self.stack.rate[..n + 1], &self.ring.rate[..n + 1]);
         let [mut rubbed, mut oiled, mut damped, mut stretch, mut bend] = [0.0; 5];
         for i in 1..=n {
             rubbed += drag[i] * drag[i] / friction[i].max(f64::MIN_POSITIVE);
-            let square = closing[i] * closing[i];
+            let square = approaching[i] * approaching[i];
             oiled += oil[i] * square;
             damped += damping[i] * square;
             stretch += stretched[i] * stretched[i] / steel[i];

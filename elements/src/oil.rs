@@ -40,8 +40,8 @@ impl Oil {
     pub(crate) fn coefficient<T: Real>(&self, gap: T, rate: T) -> T {
         let wide = gap + self.floor;
         let c = (wide * wide * wide).recip() * self.constant;
-        let share = c * rate * (1.0 / self.suction);
-        let (_, limited) = (share * share + 1.0).root_and_inverse();
+        let fraction = c * rate * (1.0 / self.suction);
+        let (_, limited) = (fraction * fraction + 1.0).root_and_inverse();
         c * rate.if_positive(limited, T::one())
     }
 }

@@ -58,7 +58,7 @@ pub enum Shaft {
 pub enum Cone {
     /// It stands.
     Held,
-    /// A closing force, N.
+    /// A clamping force, N.
     Force(f64),
     /// It moves at this speed, m/s, whatever force that takes.
     Speed(f64),
@@ -68,7 +68,7 @@ impl Pulley {
     /// A step under the belt's load. Returns works and losses, J: at the shaft, on the cone, by
     /// drag of the shaft, damping of the cone, relaxation of the tilt.
     pub fn step(&mut self, of: &PulleyParameters, load: &Load, drive: (Shaft, Cone), dt: f64) -> [f64; 5] {
-        let drag = of.drag.at(self.omega, [load.resultant.re, load.resultant.im]).torque;
+        let drag = of.drag.loads(self.omega, [load.resultant.re, load.resultant.im]).torque;
         let before = self.omega;
         let torque = match drive.0 {
             Shaft::Speed => drag - load.torque,

@@ -75,12 +75,12 @@ impl Ring {
         }
         cut!(n + 1; mut self => moment, angle, angle_rate, mass);
         for i in 1..=n {
-            let share = 0.5 * (steel[i - 1] + steel[i]);
+            let fraction = 0.5 * (steel[i - 1] + steel[i]);
             angle[i] = cross(unit[i], unit[i - 1]);
             angle_rate[i] = turning[i] - turning[i - 1];
             let seen = (options.curvature_damping + dt) * angle_rate[i];
-            moment[i] = ring.bending_stiffness / share * (angle[i] + seen);
-            mass[i] = ring.mass_per_length * share;
+            moment[i] = ring.bending_stiffness / fraction * (angle[i] + seen);
+            mass[i] = ring.mass_per_length * fraction;
         }
         close(&mut self.moment);
         let moment = &self.moment[..n + 2];

@@ -365,8 +365,8 @@ impl Run {
                 return path.wraps()[j];
             };
             let before = if k > 0 { change(k - 1) } else { 0.0 };
-            let share = ((limit - before) / (change(k) - before)).clamp(0.0, 1.0);
-            let place = (first + k as f64 - 1.0 + share) * per_place;
+            let fraction = ((limit - before) / (change(k) - before)).clamp(0.0, 1.0);
+            let place = (first + k as f64 - 1.0 + fraction) * per_place;
             ((place - from) / path.radii[j]).max(0.0)
         })
     }

@@ -8,7 +8,7 @@
 //! - C: oil of viscosity η between parallel faces a × b, a < b, of which the share f is filled
 //!   (Reynolds' equation with the pressure of the surroundings at all four edges, within 1 % for
 //!   a ≤ b/2): C = f η a³ b (1 − 0.63 a/b). The floor h_0 is that of rough faces in contact,
-//! - S(F) = F in closing, F/√(1 + (F/F_c)²) in opening: the oil cavitates at the suction F_c.
+//! - S(F) = F where the gap closes, F/√(1 + (F/F_c)²) where it opens: the oil cavitates at the suction F_c.
 //!
 //! The law is linear in the speeds at the end of a step: Q = K (⟨−g⟩ − (Δt + d_e) H ġ) − c' ġ, with
 //! c' = S/ġ at the speed of the step before.
@@ -42,16 +42,16 @@ impl Stack {
         for from in (0..gaps).step_by(LANES) {
             let many = LANES.min(gaps - from);
             let pack = |of: &[f64]| Lanes::new(std::array::from_fn(|k| of[from + k.min(many - 1)]));
-            let (overlap, closing) = (-pack(length) + law.thickness, pack(rate));
+            let (overlap, approaching) = (-pack(length) + law.thickness, pack(rate));
             let [closed, touching, _] = overlap.soft_plus(elements.roughness);
-            let by_oil = law.oil.coefficient(closed - overlap, closing);
+            let by_oil = law.oil.coefficient(closed - overlap, approaching);
             let touching = touching * stiffness;
             let total = touching * (dt + elements.damping) + by_oil;
             for (row, value) in [
                 (&mut *damping, touching * elements.damping),
                 (oil, by_oil),
                 (slope, total),
-                (push, closed * stiffness - total * closing),
+                (push, closed * stiffness - total * approaching),
             ] {
                 row[from..from + many].copy_from_slice(&value.to_array()[..many]);
             }

@@ -9,7 +9,7 @@ use pushbelt_fmi::{hash, resources};
 use serde_json::Value;
 
 use crate::cubic::resampled;
-use crate::tables::{Even, Sheet, Tables};
+use crate::tables::{Table, Tables, UniformAxis};
 use crate::tuning::{EXCESSES, RATIOS, SHARES, UTILISATIONS};
 
 /// Name of the file in the resources.
@@ -21,7 +21,7 @@ const VERSION: u64 = 1;
 const LARGEST_FILE: u64 = 1 << 24;
 /// Largest number of values of the refined tables: 128 MB, 29 times those of the variator that is part of the FMU.
 const MOST_VALUES: f64 = (1_u32 << 24) as f64;
-/// Least distance of neighbours on an axis, as a share of its largest place.
+/// Least distance of neighbours on an axis, as a fraction of its largest place.
 const LEAST_STEP: f64 = 1e-6;
 
 /// Parameters of the variator whose maps these are.
@@ -89,7 +89,7 @@ impl Tables {
         Ok(Self {
             parameters: parameters_of(&document)?,
             hash: hash::of_bytes(bytes),
-            ratios: Even::over(&file.ratios, RATIOS),
+            ratios: UniformAxis::over(&file.ratios, RATIOS),
             belt: file.refined(1, belt, &utilisation, UTILISATIONS),
             traction: file.rising("traction", 1, UTILISATION, &share, SHARES)?,
             shift_rates: file.rising("shiftRate", rates, [-1e3, 1e3], &excess, EXCESSES)?,
@@ -119,7 +119,7 @@ impl File<'_> {
                 "it is damaged: the table {name} has {found} numbers instead of {count}"
             ));
         }
-        within(&format!("the table {name}"), &values, range)?;
+        check_range(&format!("the table {name}"), &values, range)?;
         Ok(values)
     }
 
@@ -127,25 +127,25 @@ impl File<'_> {
     fn capacities(&self, name: &str, least: f64, most: f64) -> Result<[Vec<f64>; 2], String> {
         let values = self.numbers(name, 2, [-most, most])?;
         let of = |at: usize| values.iter().skip(at).step_by(2).copied().collect::<Vec<_>>();
-        within(&format!("the table {name} in direction -1"), &of(0), [-most, -least])?;
-        within(&format!("the table {name} in direction 1"), &of(1), [least, most])?;
+        check_range(&format!("the table {name} in direction -1"), &of(0), [-most, -least])?;
+        check_range(&format!("the table {name} in direction 1"), &of(1), [least, most])?;
         Ok([of(0), of(1)])
     }
 
     /// Tables with so many rows for each force, speed and ratio, refined along the rows and along the ratio.
-    fn refined<const N: usize>(&self, rows: usize, tables: [Vec<f64>; N], along: &[f64], count: usize) -> Sheet<N> {
-        let (axis, ratios) = (Even::over(along, count), Even::over(&self.ratios, RATIOS));
+    fn refined<const N: usize>(&self, rows: usize, tables: [Vec<f64>; N], along: &[f64], count: usize) -> Table<N> {
+        let (axis, ratios) = (UniformAxis::over(along, count), UniformAxis::over(&self.ratios, RATIOS));
         let tables = tables.map(|values| {
             let values = resampled(along, &values, 1, axis.places());
             resampled(&self.ratios, &values, rows * axis.count, ratios.places())
         });
         let places = 0..tables[0].len();
         let values = places.map(|k| from_fn(|n| tables[n][k])).collect();
-        Sheet { axis, rows, values }
+        Table { axis, rows, values }
     }
 
     /// The same for a table whose rows rise.
-    fn rising(&self, name: &str, rows: usize, range: Range, along: &[f64], count: usize) -> Result<Sheet<1>, String> {
+    fn rising(&self, name: &str, rows: usize, range: Range, along: &[f64], count: usize) -> Result<Table<1>, String> {
         let values = self.numbers(name, rows * along.len(), range)?;
         if !values.chunks(along.len()).all(|row| row.is_sorted()) {
             return Err(format!("it is damaged: the table {name} falls along its last axis"));
@@ -178,7 +178,7 @@ fn parameters_of(document: &Value) -> Result<Parameters, String> {
 /// The places of an axis.
 fn axis(document: &Value, name: &str, range: Range) -> Result<Vec<f64>, String> {
     let values = flat(&document["axes"][name]["values"]);
-    within(&format!("the axis {name}"), &values, range)?;
+    check_range(&format!("the axis {name}"), &values, range)?;
     let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let ascends = values.windows(2).all(|pair| pair[1] - pair[0] >= LEAST_STEP * largest);
     if values.is_empty() || !ascends {
@@ -198,7 +198,7 @@ pub fn flat(value: &Value) -> Vec<f64> {
 }
 
 /// Checks that values are numbers in a range.
-fn within(name: &str, values: &[f64], [least, most]: Range) -> Result<(), String> {
+fn check_range(name: &str, values: &[f64], [least, most]: Range) -> Result<(), String> {
     let Some(at) = values.iter().position(|value| !(least..=most).contains(value)) else {
         return Ok(());
     };

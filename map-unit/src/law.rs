@@ -25,7 +25,7 @@ use pushbelt::shaft::{Drag, SPEED_SMOOTHING};
 use pushbelt::variator::settings::{Axial, Friction, Inputs, Parameters, ParametersInForce, bisected};
 
 use crate::settings::Settings;
-use crate::tables::{Even, Place, Tables};
+use crate::tables::{GridPosition, Tables, UniformAxis};
 use crate::tuning::{BEYOND_STOPS, LEAST_FORCE, RADII, SLIP_SPEED};
 
 /// A state.
@@ -43,7 +43,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Point {
     /// Place in the tables.
-    pub place: Place,
+    pub place: GridPosition,
     /// Speeds of the shafts, rad/s, and the sliding speed v, m/s.
     speeds: PerPulley<f64>,
     pub sliding: f64,
@@ -55,7 +55,7 @@ pub struct Point {
     pub positions: PerPulley<f64>,
     pub ways: PerPulley<f64>,
     /// Forces of clamps and cylinders that close the pulleys, without their seals, N.
-    pub closing: PerPulley<f64>,
+    pub clamping: PerPulley<f64>,
     /// Secondary force: of clamp and cylinder, or with a held sheave what the primary force requires, without seals, N.
     pub force: f64,
     /// Torque of full slip, at utilisation 1, N·m.
@@ -108,7 +108,7 @@ impl Point {
     #[inline(always)]
     fn directions(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let both = [(1.0, self.ahead), (-1.0, 1.0 - self.ahead)];
-        both.into_iter().filter(|(_, share)| *share > 0.0)
+        both.into_iter().filter(|(_, fraction)| *fraction > 0.0)
     }
 }
 
@@ -120,7 +120,7 @@ pub struct Law {
     /// Least and greatest ln i, at the end stops.
     pub stops: [f64; 2],
     /// Places over ln i, and the primary pitch radii there, m.
-    places: Even,
+    places: UniformAxis,
     radii: Arc<[f64]>,
     /// Pitch radius at ratio 1, m.
     at_one: f64,
@@ -146,7 +146,7 @@ impl Law {
             Ok((primary, _)) => Ok(primary),
             Err(error) => Err(error.to_string()),
         };
-        let places = Even::over(&[stops[0] - BEYOND_STOPS, stops[1] + BEYOND_STOPS], RADII);
+        let places = UniformAxis::over(&[stops[0] - BEYOND_STOPS, stops[1] + BEYOND_STOPS], RADII);
         Ok(Self {
             tables: settings.own.clone().ok_or("the unit has no tables")?,
             stops,
@@ -176,10 +176,12 @@ impl Law {
         let radii = self.radii(state.log_ratio);
         let (radius, _) = radii.primary;
         let positions = radii.map(|(radius, _)| self.way * (radius - self.at_one));
-        let closing = self.parameters.closing(inputs, positions, state.speeds);
+        let clamping = self
+            .parameters
+            .total_clamping_forces_at(inputs, positions, state.speeds);
         let force = match self.parameters.secondary.axial {
-            Axial::Held => closing.primary / state.thrust_ratio,
-            Axial::Force => closing.secondary,
+            Axial::Held => clamping.primary / state.thrust_ratio,
+            Axial::Force => clamping.secondary,
         };
         let place = self
             .tables
@@ -195,27 +197,27 @@ impl Law {
             ratio: state.log_ratio.exp(),
             positions,
             ways: radii.map(|(_, slope)| self.way * slope),
-            closing,
+            clamping,
             force,
             full_slip: full_slip_torque(friction, geometry.wedge_angle.cos(), force.max(0.0), radius),
             speed,
             ahead: 0.5 * (1.0 + direction),
-            limits: self.tables.limits.at(&place, 0, 0.0).0,
+            limits: self.tables.limits.interpolate(&place, 0, 0.0).0,
             ..Point::default()
         };
         point.sliding = point.sliding_at(state.speeds);
         let fading = (state.speeds.primary / SPEED_SMOOTHING).tanh();
-        for (sign, share) in point.directions() {
+        for (sign, fraction) in point.directions() {
             let [utilisation, slope] = self.one_way(&point, sign * point.sliding);
             let ([thrust_ratio, torque_loss, bearing_load], [thrust_slope, ..]) =
-                self.tables.belt.at(&place, 0, utilisation);
-            point.traction[0] += sign * share * utilisation;
-            point.traction[1] += share * slope;
-            point.forward += share * utilisation;
-            point.thrust_ratio += share * thrust_ratio;
-            point.thrust_slope += share * sign * thrust_slope;
-            point.torque_loss += share * fading * torque_loss;
-            point.bearing_load += share * bearing_load;
+                self.tables.belt.interpolate(&place, 0, utilisation);
+            point.traction[0] += sign * fraction * utilisation;
+            point.traction[1] += fraction * slope;
+            point.forward += fraction * utilisation;
+            point.thrust_ratio += fraction * thrust_ratio;
+            point.thrust_slope += fraction * sign * thrust_slope;
+            point.torque_loss += fraction * fading * torque_loss;
+            point.bearing_load += fraction * bearing_load;
         }
         point
     }
@@ -224,9 +226,9 @@ impl Law {
     #[inline(always)]
     fn one_way(&self, point: &Point, sliding: f64) -> [f64; 2] {
         let [capacity, limit] = point.limits(sliding);
-        let share = sliding / limit;
-        if share.abs() <= 1.0 {
-            let ([value], [slope]) = self.tables.traction.at(&point.place, 0, share);
+        let fraction = sliding / limit;
+        if fraction.abs() <= 1.0 {
+            let ([value], [slope]) = self.tables.traction.interpolate(&point.place, 0, fraction);
             return [value, slope / limit];
         }
         let Friction { fall, fall_speed, .. } = self.parameters.friction;
@@ -237,16 +239,16 @@ impl Law {
 
     /// u and ∂u/∂v at another sliding speed, m/s.
     pub fn traction(&self, point: &Point, sliding: f64) -> [f64; 2] {
-        point.directions().fold([0.0; 2], |mean, (sign, share)| {
+        point.directions().fold([0.0; 2], |mean, (sign, fraction)| {
             let [value, slope] = self.one_way(point, sign * sliding);
-            [mean[0] + sign * share * value, mean[1] + share * slope]
+            [mean[0] + sign * fraction * value, mean[1] + fraction * slope]
         })
     }
 
     /// Drag of the shafts.
     pub fn drags(&self, point: &Point) -> PerPulley<Drag> {
         let load = [point.bearing_load, 0.0];
-        PerPulley::from_fn(|j| self.parameters.pulley(j).drag.at(point.speeds[j], load))
+        PerPulley::from_fn(|j| self.parameters.pulley(j).drag.loads(point.speeds[j], load))
     }
 
     /// ℓ' in a state, 1/s, and its slope over the utilisation by way of the thrust ratio; 0 with a held sheave.
@@ -255,8 +257,8 @@ impl Law {
             return (0.0, 0.0);
         }
         let speed = point.speeds.primary.abs();
-        let under = |rubbing: PerPulley<f64>| {
-            let [secondary, primary] = Pulley::BOTH.map(|j| point.closing[j] - rubbing[j]);
+        let under = |seal_friction: PerPulley<f64>| {
+            let [secondary, primary] = Pulley::BOTH.map(|j| point.clamping[j] - seal_friction[j]);
             let holding = point.thrust_ratio * secondary;
             let excess = (primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
             let (rate, gain) = self.tables.shift_rate(&point.place, point.forward, excess);
@@ -266,7 +268,11 @@ impl Law {
         if Pulley::BOTH.map(|j| self.parameters.pulley(j).cylinder.seal) == [0.0; 2] {
             return free;
         }
-        let under = |rate: f64| under(PerPulley::from_fn(|j| self.parameters.rubbing(j, rate * point.ways[j])));
+        let under = |rate: f64| {
+            under(PerPulley::from_fn(|j| {
+                self.parameters.seal_friction(j, rate * point.ways[j])
+            }))
+        };
         // The friction falls with the rate that it causes: one root, between no motion and that without friction.
         let rate = bisected([free.0.min(0.0), free.0.max(0.0)], |rate| under(rate).0 > rate);
         let near = 1e-2 * self.parameters.friction.velocity / point.ways.secondary.abs();

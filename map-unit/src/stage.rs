@@ -9,7 +9,7 @@ use pushbelt::variator::settings::{Drive, Inputs, SPEED_LAG};
 
 use crate::file::UTILISATION;
 use crate::law::{Law, Point, State};
-use crate::tuning::{ITERATIONS, LEAST_SHARE, TOLERANCE};
+use crate::tuning::{ITERATIONS, LEAST_FRACTION, TOLERANCE};
 
 impl Law {
     /// The solution of a stage under the inputs at its time, from a guess; none if the iteration does not converge.
@@ -42,8 +42,11 @@ impl Law {
         let lines = PerPulley::from_fn(|j| {
             let (pulley, inputs, drag) = (self.parameters.pulley(j), inputs.pulley(j), drags[j]);
             if pulley.drive == Drive::Speed {
-                let share = k / SPEED_LAG;
-                return [(base.speeds[j] + share * inputs.speed_setpoint) / (1.0 + share), 0.0];
+                let fraction = k / SPEED_LAG;
+                return [
+                    (base.speeds[j] + fraction * inputs.speed_setpoint) / (1.0 + fraction),
+                    0.0,
+                ];
             }
             let [own, lever] = match j {
                 Pulley::Primary => [0.0, -1.0],
@@ -62,7 +65,7 @@ impl Law {
         let [least, most] = self.stops;
         let behind = (base.log_ratio + k * rate).clamp(least, most) - state.log_ratio;
         let per_utilisation = -per_torque * point.full_slip;
-        let coupled = (around * k * slope).clamp(-LEAST_SHARE * per_utilisation, per_utilisation / LEAST_SHARE);
+        let coupled = (around * k * slope).clamp(-LEAST_FRACTION * per_utilisation, per_utilisation / LEAST_FRACTION);
         let free = free - around * behind + coupled * utilisation;
         let found = self.utilisation(&point, free, per_utilisation + coupled)?;
         let torque = point.full_slip * found;

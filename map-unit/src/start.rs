@@ -23,9 +23,9 @@ impl MapUnit {
             Drive::Speed => self.inputs.primary.speed_setpoint,
             Drive::Torque => initial.primary_speed,
         };
-        let ([without_torque, ..], _) = self.law.tables.belt.at(&self.present().place, 0, 0.0);
+        let ([without_torque, ..], _) = self.law.tables.belt.interpolate(&self.present().place, 0, 0.0);
         self.state.thrust_ratio = without_torque;
-        let mut settled = self.settle();
+        let mut settled = self.solve_equilibrium();
         // The force on a held secondary sheave follows from the thrust ratio, which depends on the slip.
         if self.law.parameters.secondary.axial == Axial::Held {
             for _ in 0..ITERATIONS {
@@ -34,7 +34,7 @@ impl MapUnit {
                     break;
                 }
                 self.state.thrust_ratio = found;
-                settled = self.settle();
+                settled = self.solve_equilibrium();
             }
         }
         if initial.steady && initial.equilibrium && !self.law.parameters.holds_a_sheave() {
@@ -55,17 +55,17 @@ impl MapUnit {
         self.state.log_ratio = bisected(self.law.stops, |log_ratio| {
             self.state.log_ratio = log_ratio;
             // What a ratio on the way does not carry is of no interest.
-            let _ = self.settle();
+            let _ = self.solve_equilibrium();
             let point = self.present();
             // Too small a primary force: the ratio grows.
-            point.closing.primary < point.thrust_ratio * point.closing.secondary
+            point.clamping.primary < point.thrust_ratio * point.clamping.secondary
         });
-        self.settle()
+        self.solve_equilibrium()
     }
 
     /// Sets the speed of the shaft that is not given at the present ratio: that of the steady slip, of the set point, or without slip. An
     /// error is the reason why it is without slip though it should not be.
-    fn settle(&mut self) -> Result<(), String> {
+    fn solve_equilibrium(&mut self) -> Result<(), String> {
         let of = &self.law.parameters;
         let [primary_led, secondary_led] = [&of.primary, &of.secondary].map(|pulley| pulley.drive == Drive::Speed);
         let (steady, ratio) = (of.initial.steady, self.state.log_ratio.exp());

@@ -9,7 +9,7 @@ pub const SHORTEST: f64 = 1e-7;
 pub const MOST_STEPS: f64 = 1e5;
 pub const MOST_PER_LONGEST: f64 = 100.0;
 /// Largest speed and input in a stored state, SI units, far beyond what a shaft stands.
-pub const LARGEST: f64 = 1e9;
+pub const MAX_STORED: f64 = 1e9;
 
 /// Regularisation speed v_0 of the slip, m/s. Half or double: 5e-2 of the slip at 2 rad/s, 2e-4 of that at 150 rad/s.
 pub const SLIP_SPEED: f64 = 0.1;
@@ -20,8 +20,8 @@ pub const LEAST_FORCE: f64 = 1.0;
 pub const ITERATIONS: usize = 80;
 /// Relative tolerance of speeds, and tolerance of ln i and of the utilisation at the start. Half or double: 4e-6 in a launch, else 4e-7.
 pub const TOLERANCE: f64 = 1e-9;
-/// Bound of the coupling of the ratio, as a share of the coupling by the torque. Half or double: nothing.
-pub const LEAST_SHARE: f64 = 0.5;
+/// Bound of the coupling of the ratio, as a fraction of the coupling by the torque. Half or double: nothing.
+pub const LEAST_FRACTION: f64 = 0.5;
 
 /// Numbers of places of the refined tables: ratios, utilisations of the belt, slips of the traction, excesses of the shift rates. Half of one:
 /// 8e-4, 1.3e-3, 1.7e-3, 5e-4; double: 5e-4, 4e-4, 6e-4, 2e-4.

@@ -18,7 +18,7 @@ use crate::file::THRUST_RATIO;
 use crate::law::{Law, Point, State};
 use crate::settings::{self, Readings, Settings};
 use crate::tables::Tables;
-use crate::tuning::{LARGEST, LONGEST, MOST_PER_LONGEST, MOST_STEPS, SHORTEST};
+use crate::tuning::{LONGEST, MAX_STORED, MOST_PER_LONGEST, MOST_STEPS, SHORTEST};
 
 /// A variator from maps.
 #[derive(Clone, Debug)]
@@ -62,17 +62,17 @@ impl MapUnit {
 
     /// Advances over a communication step.
     fn advance_to(&mut self, to: f64, inputs: &InputProfile) -> Result<(), String> {
-        self.inputs = inputs.at(self.time);
+        self.inputs = inputs.evaluate(self.time);
         for end in [inputs.kink.max(self.time).min(to), to] {
             // A count, so that the loop ends whatever the tables and inputs are.
             let most = MOST_STEPS + MOST_PER_LONGEST * (end - self.time) / LONGEST;
             let (mut longest, mut steps) = (LONGEST, 0.0);
             while end > self.time {
-                let left = end - self.time;
-                let count = (left / longest - 1e-9).ceil().max(1.0);
-                let next = if count == 1.0 { end } else { self.time + left / count };
+                let rest = end - self.time;
+                let count = (rest / longest - 1e-9).ceil().max(1.0);
+                let next = if count == 1.0 { end } else { self.time + rest / count };
                 steps += 1.0;
-                if self.step(next - self.time, &inputs.at(next)).is_some() {
+                if self.step(next - self.time, &inputs.evaluate(next)).is_some() {
                     self.time = next;
                     longest = (2.0 * longest).min(LONGEST);
                 } else {
@@ -93,7 +93,7 @@ impl MapUnit {
     /// tables.
     fn observe(&mut self, remarks: &mut Vec<Message>) {
         let (point, of) = (self.present(), &self.law.parameters);
-        let opens = of.opening(&self.inputs, point.closing, self.time);
+        let opens = of.opening_pressure(&self.inputs, point.clamping, self.time);
         let opens = opens.filter(|_| !self.opened);
         let outside = (point.place.outside && !self.outside).then(|| {
             format!(
@@ -122,13 +122,13 @@ impl MapUnit {
         // As in the detailed unit the sheaves start at rest.
         let rests = at_stop || self.time == 0.0;
         let velocities = point.ways.map(|way| if rests { 0.0 } else { way * rate });
-        let rubbing = PerPulley::from_fn(|j| of.rubbing(j, velocities[j]));
+        let seal_friction = PerPulley::from_fn(|j| of.seal_friction(j, velocities[j]));
         let axial = PerPulley {
             primary: match of.primary.axial {
                 Axial::Held => point.thrust_ratio * point.force,
-                Axial::Force => point.closing.primary - rubbing.primary,
+                Axial::Force => point.clamping.primary - seal_friction.primary,
             },
-            secondary: point.force - rubbing.secondary,
+            secondary: point.force - seal_friction.secondary,
         };
         let sum = |of: &dyn Fn(Pulley) -> f64| of(Pulley::Primary) + of(Pulley::Secondary);
         let pulley = |j: Pulley, radius: f64| {
@@ -158,7 +158,7 @@ impl MapUnit {
                 // Maps have the belt's loss as a whole.
                 other: sum(&|j| into[j] * speeds[j]),
                 shafts: sum(&|j| drags[j] * speeds[j]),
-                seals: sum(&|j| rubbing[j] * velocities[j]),
+                seals: sum(&|j| seal_friction[j] * velocities[j]),
                 ..Losses::default()
             },
             stored_energy: 0.5 * sum(&|j| of.pulley(j).inertia * speeds[j] * speeds[j]),
@@ -276,15 +276,15 @@ impl Unit for MapUnit {
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {
         let PerPulley { primary, secondary } = &mut self.state.speeds;
-        archive.bounded_real(primary, -LARGEST, LARGEST);
-        archive.bounded_real(secondary, -LARGEST, LARGEST);
+        archive.bounded_real(primary, -MAX_STORED, MAX_STORED);
+        archive.bounded_real(secondary, -MAX_STORED, MAX_STORED);
         let [least, most] = self.law.stops;
         archive.bounded_real(&mut self.state.log_ratio, least, most);
         archive.real(&mut self.time);
         let [least, most] = THRUST_RATIO;
         archive.bounded_real(&mut self.state.thrust_ratio, least, most);
         for value in self.inputs.each_mut() {
-            archive.bounded_real(value, -LARGEST, LARGEST);
+            archive.bounded_real(value, -MAX_STORED, MAX_STORED);
         }
         archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use cpu_time::ThreadTime;
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Axial, Drive, Outputs, RingModel};
 use pushbelt::variator::system::VariatorSystem;

@@ -6,9 +6,9 @@ use std::error::Error;
 use std::sync::Arc;
 
 use pushbelt::variator::Variator;
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::Parameters;
-use pushbelt_paper::belts::{Even, Rotated, Travels};
+use pushbelt_paper::belts::{EvenMesh, Rotated, Travels};
 use pushbelt_paper::ring::ancf::AncfElement;
 use pushbelt_paper::ring::rcm::RcmElement;
 use pushbelt_support::fingerprint::{Report, STEP};
@@ -19,8 +19,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut report = Report::of_arguments()?;
     let cases: [(&str, Arc<dyn BeltRing>, usize); 5] = [
         ("ALE in directions of the curve", Arc::new(Rotated::<2>), 500),
-        ("ALE on even elements", Arc::new(Even(Ale::<2>)), 500),
-        ("ALE0 on even elements", Arc::new(Even(Ale0)), 500),
+        ("ALE on even elements", Arc::new(EvenMesh(Ale::<2>)), 500),
+        ("ALE0 on even elements", Arc::new(EvenMesh(Ale0)), 500),
         ("RCM", Arc::new(Travels::<RcmElement>::new(0)), 30),
         ("ANCF", Arc::new(Travels::<AncfElement>::new(0)), 30),
     ];

@@ -8,7 +8,7 @@ use crate::rotating::RotatingRing;
 use crate::travelling::assembly::TravellingCells;
 use crate::travelling::order::{self, Travelling};
 use crate::travelling::start::state_on_ale;
-use pushbelt::variator::belt_ring::{
+use pushbelt::variator::ring_models::{
     Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, StartsOn, deflecting_equations,
     eulerian_equations, guided_equations,
 };
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// `ALE0` or `ALE` on elements spaced evenly at fixed ξ, as in the paper. Arc borders move through them.
 #[derive(Clone, Copy, Debug)]
-pub struct Even<R>(pub R);
+pub struct EvenMesh<R>(pub R);
 
 /// `ALE0` or `ALE` with derivatives by forward differentiation, as those of `RCM` and `ANCF`.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +71,7 @@ impl<R: OtherEquations> BeltRing for Forward<R> {
     }
 }
 
-impl<R: OtherEquations> BeltRing for Even<R> {
+impl<R: OtherEquations> BeltRing for EvenMesh<R> {
     fn name(&self) -> &'static str {
         self.0.name()
     }
@@ -199,7 +199,7 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
     }
 
     fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
-        if parameters.is_chain() {
+        if parameters.is_pull_chain() {
             let range = "1 (PushBelt), unless ring.model is ALE0 or ALE".to_string();
             return Err(ParameterError::new(
                 "belt.kind",
@@ -277,6 +277,6 @@ pub(crate) fn variant<R: OtherEquations + 'static>(ring: R, aligned: bool, forwa
     match (aligned, forward) {
         (true, false) => Arc::new(ring),
         (true, true) => Arc::new(Forward(ring)),
-        (false, _) => Arc::new(Even(ring)),
+        (false, _) => Arc::new(EvenMesh(ring)),
     }
 }

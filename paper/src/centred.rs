@@ -4,7 +4,7 @@ use pushbelt::archive::Archive;
 use pushbelt::scalar::Lanes;
 use pushbelt::solver::View;
 use pushbelt::solver::arrow::Arrow;
-use pushbelt::variator::belt_ring::{
+use pushbelt::variator::ring_models::{
     Ale0, Assembly, Belt, BeltMesh, BeltRing, CONSTRAINT_SCALE, InForce, Layout, PulleyLoad, ResultantDerivatives,
     Sample,
 };

@@ -5,9 +5,9 @@ use crate::ring::Ring;
 use crate::ring::kinematics::{LineLoad, Motion, Node, ReferenceMotion, RingPoint};
 use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::scalar::Real;
-use pushbelt::variator::belt_ring::{
-    Action, CELL_POINTS, CellRing, Deflecting, Degrees, DegreesOfFreedom, EulerianRing, MeshCurve, Part, Place,
-    RingDensity, RingForces, RingKind, nodes,
+use pushbelt::variator::ring_models::{
+    CELL_POINTS, CellGeometry, CellRing, Deflecting, Degrees, DegreesOfFreedom, EulerianRing, MeshCurve, RingDensity,
+    RingForces, RingKind, StateComponent, StationLoad, nodes,
 };
 
 /// `ALE` with the deflection in directions that rotate with the reference curve.
@@ -23,7 +23,7 @@ impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,
-        place: &'a Place<'a, T>,
+        geometry: &'a CellGeometry<'a, T>,
         motion: &'a ReferenceMotion<T>,
         mut nodes: [Motion<Node<T, D>>; 2],
         ends: [T::Constant; 2],
@@ -32,9 +32,9 @@ impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
         let curvature: [Jet<T>; 2] = ends.map(|fraction| curve(fraction).kappa);
         let ends = RotatedElement::new(curvature, &motion.theta, &mut nodes);
         Self {
-            ring: Deflecting::new(ring, place, motion, &nodes),
+            ring: Deflecting::new(ring, geometry, motion, &nodes),
             ends,
-            curve: std::array::from_fn(|at| curve(place.fraction(at.min(place.stations.len())))),
+            curve: std::array::from_fn(|at| curve(geometry.fraction(at.min(geometry.stations.len())))),
         }
     }
 }
@@ -53,9 +53,12 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
     #[inline(always)]
     fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
         let Deflecting {
-            place, element, motion, ..
+            geometry,
+            element,
+            motion,
+            ..
         } = &self.ring;
-        rotated_point(reference, &self.curve[at], &place.point(at).shape, element, motion)
+        rotated_point(reference, &self.curve[at], &geometry.point(at).shape, element, motion)
     }
 
     #[inline(always)]
@@ -64,12 +67,12 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
     }
 
     #[inline(always)]
-    fn apply(&mut self, at: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
+    fn apply(&mut self, at: usize, point: &RingPoint<T, D>, station_load: &StationLoad<T, D>) {
         let Deflecting {
-            place, element, sum, ..
+            geometry, element, sum, ..
         } = &mut self.ring;
-        let shape = &place.point(at).shape;
-        rotated_load(&action.load, point, shape, element, action.weight, sum);
+        let shape = &geometry.point(at).shape;
+        rotated_load(&station_load.load, point, shape, element, station_load.weight, sum);
     }
 
     #[inline(always)]
@@ -93,13 +96,13 @@ impl<const D: usize, C: MeshCurve + AngledCurve> RingKind<D, C> for RotatingRing
     fn ring<'a, T: Real>(
         &self,
         ring: &'a Ring,
-        (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        (geometry, motion): (&'a CellGeometry<'a, T>, &'a ReferenceMotion<T>),
         (frame, segment): (&'a C::Frame<T>, usize),
-        unknown: impl Fn(Part, usize) -> T,
+        unknown: impl Fn(StateComponent, usize) -> T,
     ) -> Rotating<'a, T, D> {
-        let [start, share] = place.of_segment;
+        let [start, share] = geometry.of_segment;
         let curve = |fraction| C::tangent_angle(frame, segment, fraction);
         let nodes = nodes(unknown);
-        Rotating::new(ring, place, motion, nodes, [start, start + share], curve)
+        Rotating::new(ring, geometry, motion, nodes, [start, start + share], curve)
     }
 }

@@ -8,7 +8,7 @@ use pushbelt::fmi::setting;
 use pushbelt::fmi::table::{Access, Enumeration, Item, Kind, Retired, Variable};
 use pushbelt::fmi::unit::Identity;
 use pushbelt::unit::{REMOVED, Rings, Settings, StandardRings, UnitWith, parameter};
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{ParameterError, Parameters, Readings, RingModel};
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{Drive, Parameters, RIGID_TILT_STIFFNESS, RingModel};
 use pushbelt_paper::centred::Centred;
 use pushbelt_support::disturbed::{assert_jacobian, disturbed_with, small};

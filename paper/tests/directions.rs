@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt_paper::belts::{Forward, Rotated};
 use pushbelt_paper::unit::PaperRings;

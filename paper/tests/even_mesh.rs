@@ -5,9 +5,9 @@ use std::sync::Arc;
 use pushbelt::pulley::Pulley;
 use pushbelt::ring::mesh::Element;
 use pushbelt::variator::Variator;
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltMesh, BeltRing, CellDivision};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltMesh, BeltRing, CellDivision};
 use pushbelt::variator::settings::{Drive, Outputs, Parameters, RingModel};
-use pushbelt_paper::belts::Even;
+use pushbelt_paper::belts::EvenMesh;
 use pushbelt_paper::unit::PaperRings;
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::load_cases::{LoadCase, ratio};
@@ -20,7 +20,7 @@ fn ale() -> Arc<dyn BeltRing> {
 }
 
 fn even_ale() -> Arc<dyn BeltRing> {
-    Arc::new(Even(Ale::<2>))
+    Arc::new(EvenMesh(Ale::<2>))
 }
 
 /// Bounds on the difference between the even and the aligned mesh in a load case.
@@ -135,7 +135,7 @@ fn errors_and_cost_of_a_shift_with_moving_borders() {
 fn only_eulerian_rings_run_on_it() {
     let parameters = variator(RingModel::Ale0);
     let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
-    let found = load_case_with(&parameters, Arc::new(Even(Ale0)), &case);
+    let found = load_case_with(&parameters, Arc::new(EvenMesh(Ale0)), &case);
     let aligned = load_case_with(&parameters, Arc::new(Ale0), &case);
     let [even, aligned] = [&found, &aligned].map(|state| state.outputs.thrust_ratio);
     println!("ALE0: thrust ratio {even:.4}, aligned {aligned:.4}");
@@ -176,8 +176,8 @@ fn evenly_spaced_elements_fill_the_belt_and_each_half_touches_one_pulley() {
     };
     let [even, aligned] = [false, true].map(|aligned| BeltMesh::new(&Parameters::default().mesh, cells, aligned));
     assert_eq!(even.elements.len(), aligned.elements.len());
-    let share = 1.0 / even.elements.len() as f64;
-    let fills = |e: &Element| e.segment == 0 && (e.share - share).abs() < 1e-15;
+    let length = 1.0 / even.elements.len() as f64;
+    let fills = |e: &Element| e.segment == 0 && (e.length - length).abs() < 1e-15;
     assert!(even.elements.iter().all(fills));
     let touching = |pulley| even.cells.iter().filter(|c| c.pulley == pulley).count();
     assert_eq!((touching(Pulley::Secondary), touching(Pulley::Primary)), (52, 52));

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use pushbelt::reference_curve::ReferenceCurve;
 use pushbelt::solver::System;
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_equations, guided_equations};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing, deflecting_equations, guided_equations};
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_paper::belts::{Even, Rotated};
+use pushbelt_paper::belts::{EvenMesh, Rotated};
 use pushbelt_paper::reference_curve::{TwoPulley, Unaligned};
 use pushbelt_paper_lab::{ancf, rcm, travelling};
 use pushbelt_support::disturbed::{
@@ -29,8 +29,8 @@ fn space() -> Parameters {
 /// The rings on an even mesh in the plane.
 fn even() -> [(Parameters, Arc<dyn BeltRing>); 2] {
     [
-        (plane(), Arc::new(Even(Ale::<2>))),
-        (small(RingModel::Ale0), Arc::new(Even(Ale0))),
+        (plane(), Arc::new(EvenMesh(Ale::<2>))),
+        (small(RingModel::Ale0), Arc::new(EvenMesh(Ale0))),
     ]
 }
 
@@ -102,9 +102,9 @@ fn jacobians_of_travelling_rings_match_differences() {
 #[test]
 fn jacobian_on_evenly_spaced_elements_matches_differences() {
     let cases: [(Parameters, Arc<dyn BeltRing>, f64); 3] = [
-        (plane(), Arc::new(Even(Ale::<2>)), 200.0),
-        (space(), Arc::new(Even(Ale::<3>)), -200.0),
-        (small(RingModel::Ale0), Arc::new(Even(Ale0)), 200.0),
+        (plane(), Arc::new(EvenMesh(Ale::<2>)), 200.0),
+        (space(), Arc::new(EvenMesh(Ale::<3>)), -200.0),
+        (small(RingModel::Ale0), Arc::new(EvenMesh(Ale0)), 200.0),
     ];
     for (parameters, ring, speed) in cases {
         assert_jacobian(disturbed_with(&parameters, ring, speed), 0.4);

@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use pushbelt::archive::Archive;
-use pushbelt::variator::belt_ring::{Ale, BeltRing};
 use pushbelt::variator::linear::{LinearError, linearise_at};
+use pushbelt::variator::ring_models::{Ale, BeltRing};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Parameters, RingModel};
 use pushbelt_paper_lab::{ancf, rcm, travelling};

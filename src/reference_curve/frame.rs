@@ -181,7 +181,7 @@ fn ratio<T: Real>(theta: &Jet<T>) -> (Jet<T>, T) {
 }
 
 /// Values of all segments from those of half the secondary arc, a strand and the primary arc.
-fn around<V: Copy>(half: V, strand: V, arc: V) -> [V; SEGMENTS] {
+fn symmetric<V: Copy>(half: V, strand: V, arc: V) -> [V; SEGMENTS] {
     [half, strand, arc, strand, half]
 }
 
@@ -275,7 +275,7 @@ impl MeshCurve for TwoPulley {
         let half = r_s.times(phi);
         let opposite = Jet::constant(PI).plus_scaled(phi, -1.0);
         let arc = r_p.times(opposite).map(|length| length * 2.0);
-        let lengths = around(half, b, arc);
+        let lengths = symmetric(half, b, arc);
         let mut starts = [Jet::constant(0.0); SEGMENTS];
         for k in 1..SEGMENTS {
             starts[k] = starts[k - 1].plus_scaled(lengths[k - 1], 1.0);
@@ -301,7 +301,7 @@ impl MeshCurve for TwoPulley {
             let [d_r_p, d_r_s, d_phi, d_b] = d_dimensions[k];
             let d_radius = [d_r_s, d_r_p];
             let arc = |radius: T, d_radius: T, angle: T, d_angle: T| d_radius * angle + radius * d_angle;
-            let d_lengths = around(
+            let d_lengths = symmetric(
                 arc(r_s.v, d_r_s, phi.v, d_phi),
                 d_b,
                 arc(r_p.v, d_r_p, opposite.v, -d_phi) * 2.0,

@@ -11,11 +11,11 @@ use std::f64::consts::PI;
 /// Most Newton steps for a radius. The default variator takes one or two at every ratio; a curve that does not close
 /// may take all.
 const NEWTON_STEPS: usize = 50;
-/// Newton's last step, and the length error up to which a curve counts as closed, as shares of L. The error after that step is of the
+/// Newton's last step, and the length error up to which a curve counts as closed, as fractions of L. The error after that step is of the
 /// order of its square, below rounding.
 const CLOSED: f64 = 1e-8;
-/// Largest r_P of the search, as a share of that with r_P − r_S = d_A, the end of the range of φ.
-const LARGEST: f64 = 0.9999;
+/// Largest r_P of the search, as a fraction of that with r_P − r_S = d_A, the end of the range of φ.
+const MAX_SINE: f64 = 0.9999;
 
 /// The curve around two pulleys: S at the origin, P at (d_A, 0).
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ impl TwoPulley {
         r_p -= d * x2 * x2 * (1.0 / 12.0 + x2 / 40.0) / (linear + 2.0 * square * r_p);
         // The derivative of the closure is positive and bounded away from zero, so Newton converges from every start
         // inside the range of φ.
-        let limit = LARGEST * d / (1.0 - ratio).abs();
+        let limit = MAX_SINE * d / (1.0 - ratio).abs();
         r_p = r_p.max(0.0).min(limit);
         for _ in 0..NEWTON_STEPS {
             let (excess, slope) = self.closure(r_p, ratio);

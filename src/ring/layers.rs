@@ -59,19 +59,19 @@ pub struct Joints {
 }
 
 impl Joints {
-    /// Drag on the secondary and on the primary arc, 2 r_j/(R α), as a share of the chain's tension. `radii` are those of the
+    /// Drag on the secondary and on the primary arc, 2 r_j/(R α), as a fraction of the chain's tension. `radii` are those of the
     /// arcs in that order, m, `wraps` the wrap angles, rad.
     #[inline(always)]
-    pub fn drag_shares<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [T; 2] {
+    pub fn drag_coefficients<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [T; 2] {
         std::array::from_fn(|k| (radii[k] * wraps[k]).recip() * (2.0 * self.radius))
     }
 }
 
 impl Layers {
-    /// Drag on the secondary and on the primary arc as a share of the ring's normal load on them. `radii` are the
+    /// Drag on the secondary and on the primary arc as a fraction of the ring's normal load on them. `radii` are the
     /// pitch radii in that order, m.
     #[inline(always)]
-    pub fn drag_shares<T: Real>(&self, radii: [T; 2]) -> [T; 2] {
+    pub fn drag_coefficients<T: Real>(&self, radii: [T; 2]) -> [T; 2] {
         let [sharper, inverse] = sharper(radii);
         // |x| as x²/√(x² + δ²): relative error ½(δ/x)²; value and slope are zero at x = 0.
         let difference = sharper * sharper * inverse;
@@ -81,7 +81,7 @@ impl Layers {
     }
 }
 
-/// The pulley on which the layers of a ring with this `speed` along itself, m/s, slip: 0 the secondary, 1 the primary; and the share of
+/// The pulley on which the layers of a ring with this `speed` along itself, m/s, slip: 0 the secondary, 1 the primary; and the fraction of
 /// them that slips: 1 except near ratio 1 and near a standstill, where it falls to 0.
 pub(super) fn slip(radii: [f64; 2], speed: f64) -> (usize, f64) {
     let [sharper, inverse] = sharper(radii);
@@ -117,12 +117,12 @@ mod tests {
             friction: 0.05,
             ..Layers::default()
         };
-        let [secondary, primary] = layers.drag_shares([0.036, 0.072]);
+        let [secondary, primary] = layers.drag_coefficients([0.036, 0.072]);
         let expected = 0.05 * 1.85e-4 * 4.0 * (1.0 / 0.036 - 1.0 / 0.072);
         assert!((secondary / expected - 1.0).abs() < 0.005, "{secondary} {expected}");
         assert!(primary >= 0.0 && primary < 0.002 * secondary, "{primary}");
-        assert_eq!(layers.drag_shares([0.072, 0.036]), [primary, secondary]);
-        let near = layers.drag_shares([0.058, 0.058 * 1.0001]);
+        assert_eq!(layers.drag_coefficients([0.072, 0.036]), [primary, secondary]);
+        let near = layers.drag_coefficients([0.058, 0.058 * 1.0001]);
         assert!(near[0] < 1e-4 * secondary, "{near:?}");
     }
 }

@@ -27,7 +27,7 @@ pub struct Element {
     /// Start as a fraction of the segment.
     pub start: f64,
     /// Length as a fraction of the segment.
-    pub share: f64,
+    pub length: f64,
 }
 
 impl Element {
@@ -35,8 +35,8 @@ impl Element {
     #[must_use]
     pub fn station(&self, x: f64, weight: f64, right: f64) -> Station {
         Station {
-            fraction: self.start + self.share * 0.5 * (1.0 + x),
-            shape: Hermite::at(x),
+            fraction: self.start + self.length * 0.5 * (1.0 + x),
+            shape: Hermite::new(x),
             weight,
             right,
         }
@@ -48,8 +48,8 @@ impl Element {
 pub fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64) {
     let after = elements.partition_point(|e| e.segment < segment || e.segment == segment && e.start <= fraction);
     let element = after.saturating_sub(1);
-    let Element { start, share, .. } = elements[element];
-    (element, (fraction - start) / share)
+    let Element { start, length, .. } = elements[element];
+    (element, (fraction - start) / length)
 }
 
 /// How a segment is divided. A grading g ∈ [0, 1) makes the element at the named end 1 − g of the mean size; 0 is even.
@@ -82,7 +82,7 @@ pub fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<I
     (0..count).map(move |k| Element {
         segment,
         start: border(k),
-        share: border(k + 1) - border(k),
+        length: border(k + 1) - border(k),
     })
 }
 
@@ -156,12 +156,15 @@ mod tests {
             (Spacing::End(0.6), [false, true]),
             (Spacing::Both(0.6), [true, true]),
         ] {
-            let shares: Vec<f64> = divide(0, 50, spacing).map(|e| 50.0 * e.share).collect();
+            let shares: Vec<f64> = divide(0, 50, spacing).map(|e| 50.0 * e.length).collect();
             assert!((shares.iter().sum::<f64>() - 50.0).abs() < 1e-12);
-            for (share, is_fine) in [(shares[0], starts_fine), (shares[49], ends_fine)] {
-                assert!(if is_fine { share < 0.41 } else { share > 1.5 }, "{spacing:?}: {share}");
+            for (length, is_fine) in [(shares[0], starts_fine), (shares[49], ends_fine)] {
+                assert!(
+                    if is_fine { length < 0.41 } else { length > 1.5 },
+                    "{spacing:?}: {length}"
+                );
             }
         }
-        assert!(divide(0, 50, Spacing::Both(0.0)).all(|e| (50.0 * e.share - 1.0).abs() < 1e-12));
+        assert!(divide(0, 50, Spacing::Both(0.0)).all(|e| (50.0 * e.length - 1.0).abs() < 1e-12));
     }
 }

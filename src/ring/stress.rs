@@ -104,10 +104,10 @@ fn outer_tension(
     }
     mean_shape /= length;
     let borne = layers.friction * (mean - centrifugal).max(0.0) * secondary.min(primary);
-    let share = if borne < high - low { borne / (high - low) } else { 1.0 };
+    let fraction = if borne < high - low { borne / (high - low) } else { 1.0 };
     for (part, along) in parts.iter().zip(along) {
         let of_slip = centrifugal + (mean - centrifugal) * *along / mean_shape;
-        let of_stick = mean + share * (part.tension - mean);
+        let of_stick = mean + fraction * (part.tension - mean);
         *along = of_stick + slipping * (of_slip - of_stick);
     }
 }
@@ -115,8 +115,8 @@ fn outer_tension(
 /// Tension of the innermost of `count` layers and of each other one, of both sets together, N, where the ring has the tension
 /// `tension` and T_o is `outer`.
 fn of_layers(tension: f64, outer: f64, count: i32) -> [f64; 2] {
-    let share = outer / f64::from(count);
-    [share + tension - outer, share]
+    let fraction = outer / f64::from(count);
+    [fraction + tension - outer, fraction]
 }
 
 /// Stress of the face with the largest one over a revolution, Pa.

@@ -41,7 +41,7 @@ pub fn linear_model<R: Rings>(
     let found = found.map_err(|error| error.to_string())?;
     let differs = |text: &String| format!("the linear model is not about the specified point: {text}");
     remarks.extend(found.remarks.iter().map(differs).map(Message::warning));
-    Ok(format!("{:#}", in_words(&found, &columns, frequency, time)))
+    Ok(format!("{:#}", to_json(&found, &columns, frequency, time)))
 }
 
 /// The column of an output, if it is real.
@@ -56,9 +56,9 @@ fn column(output: &Variable<(), Outputs>) -> Option<Column<'_>> {
     }
 }
 
-fn in_words(model: &LinearModel, columns: &[Column<'_>], frequency: f64, time: f64) -> Value {
+fn to_json(model: &LinearModel, columns: &[Column<'_>], frequency: f64, time: f64) -> Value {
     let load = |load: &Load| {
-        let (given, held) = (load.of(&model.given), load.of(&model.inputs));
+        let (given, held) = (load.value(&model.given), load.value(&model.inputs));
         json!({"name": load.name(), "unit": load.unit(), "given": given, "held": held})
     };
     let output = |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&model.outputs)});

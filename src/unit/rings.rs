@@ -2,7 +2,7 @@
 
 use crate::fmi::table::{Access, Causality, Enumeration, Kind, Retired, Variable};
 use crate::fmi::unit::Identity;
-use crate::variator::belt_ring::BeltRing;
+use crate::variator::ring_models::BeltRing;
 use crate::variator::settings::table::{Row, WHOLE, part};
 use crate::variator::settings::{
     Axial, BeltKind, Drive, Inputs, Mode, ParameterError, Parameters, Readings, RingModel, StartState,

@@ -5,7 +5,6 @@
 
 pub(crate) mod assembly;
 pub(crate) mod belt;
-pub mod belt_ring;
 #[doc(hidden)]
 pub mod cell;
 #[doc(hidden)]
@@ -16,6 +15,7 @@ pub mod linear;
 pub mod mesh;
 #[doc(hidden)]
 pub mod pulleys;
+pub mod ring_models;
 pub(crate) mod rings;
 pub mod run;
 pub mod settings;

@@ -72,7 +72,7 @@ impl VariatorSystem {
 
     /// Conditions of the pulleys at a time, s.
     pub fn boundary(&self, time: f64) -> Boundary {
-        self.loads.at(time, &self.parameters)
+        self.loads.boundary(time, &self.parameters)
     }
 
     /// Friction in force.
@@ -166,11 +166,11 @@ impl VariatorSystem {
 
 // The Newton scale: negligible errors. "Half" and "twice" are changes of the Jacobians and residuals under the ten rough loads with `ALE0`.
 
-/// Place of the ring and content of a cell, m (1 N of tension, 5 N/m of contact; 1e-7 of chain strain, 1 N). Half: 0, 0 %; twice: +2, 0 %.
+/// Place of the ring and content of a cell, m (1 N of tension, 5 N/m of contact; 1e-7 of stack strain, 1 N). Half: 0, 0 %; twice: +2, 0 %.
 const PLACE: f64 = 1.0e-9;
 /// Speed of the ring in steps below a microsecond, m/s. Half and twice: 0 %. Without, some loose belts have no steady state.
 const RING_SPEED: f64 = 1.0e-3;
-/// Sliding speed, as a share of the friction velocity. Half: +1, +5 %; twice: -4, -7 %.
+/// Sliding speed, as a fraction of the friction velocity. Half: +1, +5 %; twice: -4, -7 %.
 const SLIP: f64 = 2.0e-3;
 /// Slope of the overlay per metre of its deflection, 1/m. Half and twice, with `ALE`: 1, 0 %; that of an element's length, a tenth, loses steady
 /// states.

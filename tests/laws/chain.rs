@@ -1,7 +1,7 @@
 //! The stack of push elements.
 
-use pushbelt::chain::{PushElements, RATE_SMOOTHING, Transport, UPWIND_SMOOTHING, energy_density, flux, push_force};
 use pushbelt::scalar::Dual;
+use pushbelt::stack::{PushElements, RATE_SMOOTHING, Transport, UPWIND_SMOOTHING, energy_density, flux, push_force};
 use pushbelt_support::laws::belt;
 use pushbelt_support::noise;
 

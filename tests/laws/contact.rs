@@ -10,10 +10,10 @@ use crate::{assert_near, slope};
 const MICRON: f64 = 1e-6;
 
 /// g, Dg/Dt, v_t and v_f as a motion.
-fn motion<T>([penetration, closing, tangential, along_flank]: [T; 4]) -> FlankMotion<T> {
+fn motion<T>([penetration, penetration_rate, tangential, along_flank]: [T; 4]) -> FlankMotion<T> {
     FlankMotion {
         penetration,
-        closing,
+        penetration_rate,
         tangential,
         along_flank,
     }
@@ -103,23 +103,23 @@ fn friction_is_viscous_creep_in_stiction() {
     }
 }
 
-/// −μ(v) p |v| in every direction of sliding and at every closing speed of the flanks; at the speed of the fall, half of the
+/// −μ(v) p |v| in every direction of sliding and at every penetration rate of the flanks; at the speed of the fall, half of the
 /// fall is reached.
 #[test]
 fn friction_dissipates_its_full_power_in_sliding() {
     let v = friction().fall_speed;
     assert!(v > 500.0 * friction().velocity);
     for [along, across] in [[v, 0.0], [0.0, -v], [-0.6 * v, 0.8 * v]] {
-        for closing in [-0.5, 0.0, 0.5] {
+        for penetration_rate in [-0.5, 0.0, 0.5] {
             let expected = -cone(20.0 * MICRON) * (1.0 - 0.5 * friction().fall) * v;
-            let power = friction_power([20.0 * MICRON, closing, along, across]);
+            let power = friction_power([20.0 * MICRON, penetration_rate, along, across]);
             assert_near(power, expected, expected.abs(), 1e-6, "power of friction");
         }
     }
 }
 
 /// In any motion, also where damping reduces the normal force, friction opposes sliding and is inside the cone, and damping
-/// opposes the closing.
+/// opposes the penetration.
 #[test]
 fn friction_and_damping_never_supply_energy() {
     let mut random = noise(1);

@@ -48,29 +48,29 @@ const DRAG: ShaftDrag = ShaftDrag {
 #[test]
 fn drag_of_a_shaft() {
     let [speed, load] = [209.44, 5.0e3];
-    let drag = DRAG.at(speed, [3.0e3, -4.0e3]).torque;
+    let drag = DRAG.loads(speed, [3.0e3, -4.0e3]).torque;
     assert_near(drag, 0.15 + 3.6e-5 * load + 5.0e-4 * speed, 1.0, 1e-8, "drag");
-    assert_eq!(DRAG.at(-speed, [3.0e3, -4.0e3]).torque, -drag);
-    assert_eq!(DRAG.at(0.0, [0.0; 2]).torque, 0.0);
+    assert_eq!(DRAG.loads(-speed, [3.0e3, -4.0e3]).torque, -drag);
+    assert_eq!(DRAG.loads(0.0, [0.0; 2]).torque, 0.0);
     assert_near(
-        DRAG.at(1.0e4, [0.0; 2]).torque,
+        DRAG.loads(1.0e4, [0.0; 2]).torque,
         5.15,
         1.0,
         1e-12,
         "drag of oil and seals",
     );
-    assert_eq!(ShaftDrag::default().at(speed, [3.0e3, -4.0e3]).torque, 0.0);
+    assert_eq!(ShaftDrag::default().loads(speed, [3.0e3, -4.0e3]).torque, 0.0);
 }
 
 #[test]
 fn derivatives_of_the_drag_match_differences() {
     for omega in [-150.0, -1.0, 0.0, 0.5, 3.0, 1.0e3] {
         for [x, y] in [[0.0, 0.0], [0.3, -0.8], [2.0e3, 500.0]] {
-            let drag = DRAG.at(omega, [x, y]);
+            let drag = DRAG.loads(omega, [x, y]);
             let found = [
-                slope(|h| DRAG.at(omega + h, [x, y]).torque, 1e-4),
-                slope(|h| DRAG.at(omega, [x + h, y]).torque, 1e-3),
-                slope(|h| DRAG.at(omega, [x, y + h]).torque, 1e-3),
+                slope(|h| DRAG.loads(omega + h, [x, y]).torque, 1e-4),
+                slope(|h| DRAG.loads(omega, [x + h, y]).torque, 1e-3),
+                slope(|h| DRAG.loads(omega, [x, y + h]).torque, 1e-3),
             ];
             let [by_x, by_y] = drag.by_resultant;
             for (found, exact) in found.into_iter().zip([drag.by_speed, by_x, by_y]) {
@@ -90,16 +90,32 @@ fn forces_of_a_cylinder() {
         centrifugal: 0.02,
         seal: 150.0,
     };
-    assert_near(cylinder.push(0.01, -200.0), 400.0 - 150.0 + 800.0, 1.0, 1e-9, "push");
+    assert_near(
+        cylinder.passive_force(0.01, -200.0),
+        400.0 - 150.0 + 800.0,
+        1.0,
+        1e-9,
+        "push",
+    );
     for z_dot in [-5e-4, 0.0, 5e-4_f64] {
         let expected = if z_dot == 0.0 { 0.0 } else { 150.0 * z_dot.signum() };
         assert_near(cylinder.drag(z_dot, 1e-6), expected, 1.0, 1e-3, "drag");
     }
     let energy = slope(|h| cylinder.energy(0.01 + h), 1e-4);
-    assert_near(energy, -cylinder.push(0.01, 0.0), 1.0, 1e-6, "energy of the spring");
+    assert_near(
+        energy,
+        -cylinder.passive_force(0.01, 0.0),
+        1.0,
+        1e-6,
+        "energy of the spring",
+    );
     let none = Cylinder::default();
     assert_eq!(
-        [none.push(-0.01, 300.0), none.drag(-0.1, 5e-4), none.energy(-0.01)],
+        [
+            none.passive_force(-0.01, 300.0),
+            none.drag(-0.1, 5e-4),
+            none.energy(-0.01)
+        ],
         [0.0; 3]
     );
 }

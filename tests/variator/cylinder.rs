@@ -93,7 +93,7 @@ fn power_of_the_oil_is_the_work_on_the_sheave() {
                 for (of, given) in [(&o.primary, &inputs.primary), (&o.secondary, &inputs.secondary)] {
                     assert_eq!(of.volume, CYLINDER.area * of.position);
                     let drag = CYLINDER.drag(of.sheave_velocity, v0);
-                    let others = given.clamping_force + CYLINDER.push(of.position, of.speed) - drag;
+                    let others = given.clamping_force + CYLINDER.passive_force(of.position, of.speed) - drag;
                     let mechanical = (of.clamping_force_total - others) * of.sheave_velocity;
                     let power = given.pressure * of.flow;
                     assert!((power - mechanical).abs() <= 1e-9 * power.abs(), "{power} {mechanical}");
@@ -134,9 +134,9 @@ fn derivatives_of_a_cylinder() {
             let layout = &system.belt.layout;
             let (z, speed) = (layout.sheave(pulley), layout.shaft_speed(pulley));
             let (place, rate, omega) = (state.q[z], state.y[z], state.y[speed]);
-            let by_sheave =
-                CYLINDER.push(Dual::seed(place, 0, beta), omega.into()) - CYLINDER.drag(Dual::seed(rate, 0, 1.0), v0);
-            let by_speed = CYLINDER.push(place.into(), Dual::seed(omega, 0, 1.0));
+            let by_sheave = CYLINDER.passive_force(Dual::seed(place, 0, beta), omega.into())
+                - CYLINDER.drag(Dual::seed(rate, 0, 1.0), v0);
+            let by_speed = CYLINDER.passive_force(place.into(), Dual::seed(omega, 0, 1.0));
             for (column, expected) in [(z, by_sheave.eps[0]), (speed, by_speed.eps[0])] {
                 let [before, after] = [&before, &after].map(|matrix| entry(matrix, z, column));
                 let allowed = 1e-9 * expected.abs() + 1e-15 * before.abs();
@@ -176,8 +176,8 @@ fn seals_make_a_hysteresis_of_thrust_over_position() {
         let ((before, high), (after, low)) = (two[0], two[1]);
         closing - (low + (high - low) * (place - after) / (before - after))
     };
-    let (rubbing, free) = (loop_width(seal), loop_width(0.0));
-    assert_close(rubbing - free, 2.0 * seal, 0.01, "width of the loop");
+    let (seal_friction, free) = (loop_width(seal), loop_width(0.0));
+    assert_close(seal_friction - free, 2.0 * seal, 0.01, "width of the loop");
 }
 
 /// Seals hold against half their friction, but for the creep of the regularised law.
@@ -192,9 +192,12 @@ fn seals_creep_no_faster_than_their_regularisation() {
         run.inputs.primary.pressure += 0.5 * 400.0 / 0.01;
         run.go(0.05, 1e-3).primary.sheave_velocity
     };
-    let (rubbing, free) = (creep(seal), creep(0.0));
+    let (seal_friction, free) = (creep(seal), creep(0.0));
     // v/√(v² + v₀²) = 1/2.
-    assert!(rubbing.abs() < Parameters::default().friction.velocity / 3.0_f64.sqrt() && rubbing.abs() < free.abs());
+    assert!(
+        seal_friction.abs() < Parameters::default().friction.velocity / 3.0_f64.sqrt()
+            && seal_friction.abs() < free.abs()
+    );
 }
 
 /// Springs and rotating oil are in the starts: steady, at equilibrium and at a standstill.
@@ -213,7 +216,7 @@ fn starts_are_those_of_the_whole_forces() {
         assert_eq!([o.start_state, expected.start_state], [StartState::Steady; 2]);
         assert_close(o.ratio_geometric, expected.ratio_geometric, 2e-5, "ratio");
         for (of, given) in [(&o.primary, &given.primary), (&o.secondary, &given.secondary)] {
-            let force = given.pressure * SMOOTH.area + SMOOTH.push(of.position, of.speed);
+            let force = given.pressure * SMOOTH.area + SMOOTH.passive_force(of.position, of.speed);
             assert_close(of.clamping_force_total, force, 1e-12, "whole force");
             assert_close(of.axial_force, force, 1e-4, "force of the belt");
         }
@@ -226,7 +229,7 @@ fn starts_are_those_of_the_whole_forces() {
         let mut run = Run::new(at_rest, inputs((0.0, 0.0), (0.0, 0.0)));
         let o = run.go(5e-3, 1e-3);
         assert_eq!(o.start_state, StartState::Clamped);
-        let spring = SMOOTH.push(o.secondary.position, 0.0);
+        let spring = SMOOTH.passive_force(o.secondary.position, 0.0);
         assert_close(o.secondary.axial_force, spring, 0.02, "force of the spring");
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pushbelt::reference_curve::TwoPulley;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_equations, guided_equations};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing, deflecting_equations, guided_equations};
 use pushbelt::variator::settings::{BeltKind, Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::disturbed::{

@@ -118,19 +118,19 @@ fn loss_of_turning_elements_is_that_of_their_law() {
                 let elements = o.belt_speed * stack / length / parameters.belt.element_thickness;
                 let turning = |radius: f64| INERTIA * (o.belt_speed / radius).powi(2);
                 let expected = elements * (turning(o.primary.radius) + turning(o.secondary.radius));
-                assert_close(o.losses.spin, expected, 0.01, "loss of turning elements");
+                assert_close(o.losses.element_rotation, expected, 0.01, "loss of turning elements");
             }
-            let torques =
-                [(&slow, 2000.0), (&fast, 5000.0)].map(|(state, rpm)| state.outputs.losses.spin / (rpm * RPM));
+            let torques = [(&slow, 2000.0), (&fast, 5000.0)]
+                .map(|(state, rpm)| state.outputs.losses.element_rotation / (rpm * RPM));
             assert_close(torques[1] / torques[0], 6.25, 0.02, "torque over speed");
             if ratio < 0.5 {
                 assert_close(torques[0], 0.33, 0.1, "torque at 2000 rpm");
                 assert_close(torques[1], 2.05, 0.1, "torque at 5000 rpm");
                 let without = idling(&still, ratio, 10e3, 5000.0 * RPM);
-                assert_eq!(without.outputs.losses.spin, 0.0);
+                assert_eq!(without.outputs.losses.element_rotation, 0.0);
                 let supplied = |state: &Steady| state.external_torques().primary * 5000.0 * RPM;
                 let rest = |state: &Steady| supplied(state) - state.outputs.losses.total();
-                let spin = fast.outputs.losses.spin;
+                let spin = fast.outputs.losses.element_rotation;
                 assert_close(supplied(&fast) - supplied(&without), spin, 0.1, "power of the shaft");
                 assert!((rest(&fast) - rest(&without)).abs() < 0.01 * spin, "{model:?}");
             }
@@ -157,7 +157,8 @@ fn a_variator_loses_less_than_a_whole_transmission() {
         let force = clamping(&parameters, ratio, 1.3e3) * torque / 1e3;
         let state = transmitting(&parameters, ratio, force.max(4e3), torque, rpm * RPM);
         let with_spin = state.outputs.efficiency;
-        let efficiency = with_spin + state.outputs.losses.spin / (state.external_torques().primary * rpm * RPM);
+        let efficiency =
+            with_spin + state.outputs.losses.element_rotation / (state.external_torques().primary * rpm * RPM);
         assert!(with_spin < efficiency);
         assert!(efficiency > measured && efficiency < 0.99, "{efficiency} at {ratio}");
     }
@@ -169,9 +170,12 @@ fn each_loss_is_zero_without_its_parameters() {
     let usual = coarse(RingModel::Ale);
     let [alone, usual] = [belt_alone(usual.clone()), usual].map(|p| transmitting(&p, 0.5, 8e3, 50.0, SPEED).outputs);
     let Losses {
-        layers, spin, shafts, ..
+        layers,
+        element_rotation,
+        shafts,
+        ..
     } = alone.losses;
-    assert_eq!((layers, spin, shafts), (0.0, 0.0, 0.0));
+    assert_eq!((layers, element_rotation, shafts), (0.0, 0.0, 0.0));
     assert_eq!(alone.efficiency, alone.belt_efficiency);
     assert!(usual.losses.layers > 0.0 && usual.losses.shafts > 0.0);
     assert!(usual.efficiency < usual.belt_efficiency && usual.belt_efficiency < alone.efficiency);
@@ -188,7 +192,7 @@ fn energy_balance_with_all_losses() {
         run.go(0.05, 1e-3);
         run.inputs.primary.clamping_force = 16e3;
         let losses = run.go(0.15, 1e-3).losses;
-        let all = losses.layers > 1.0 && losses.spin > 20.0 && losses.shafts > 50.0;
+        let all = losses.layers > 1.0 && losses.element_rotation > 20.0 && losses.shafts > 50.0;
         assert!(all, "{model:?}: {losses:?}");
         run.assert_balances();
     }

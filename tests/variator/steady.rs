@@ -78,7 +78,7 @@ fn nine_load_cases_balance_their_power() {
                 assert!(o.slip > 0.0 && o.slip < 0.035, "{name}");
                 assert!(o.efficiency < o.belt_efficiency && o.belt_efficiency < 1.0, "{name}");
                 let losses = &o.losses;
-                let positive = [losses.sheaves, losses.ring, losses.spin, losses.shafts];
+                let positive = [losses.sheaves, losses.ring, losses.element_rotation, losses.shafts];
                 assert!(positive.iter().all(|loss| *loss > 0.0), "{name}");
                 assert!(losses.other >= 0.0 && losses.layers >= 0.0, "{name}");
                 if model == RingModel::Ale {
@@ -378,7 +378,7 @@ fn a_failed_search_leaves_the_specified_friction() {
     };
     let mut state = kinematic_state(&system.belt, &start).unwrap();
     let mut newton = Newton::new(&system);
-    newton.bound.left = 50.0;
+    newton.bound.remaining = 50.0;
     let task = SteadyTask {
         ratio: start.ratio,
         reaction: Pulley::Primary,

@@ -24,9 +24,9 @@ fn growth(jacobians: u64) -> f64 {
     }
 }
 
-/// Settings of [`settle`].
+/// Settings of [`continue_to_steady`].
 #[derive(Clone, Copy, Debug)]
-pub struct Settling {
+pub struct ContinuationSettings {
     /// Time at which the system is evaluated throughout, s.
     pub time: f64,
     /// First pseudo-time step, s.
@@ -37,16 +37,17 @@ pub struct Settling {
     pub max_solves: usize,
 }
 
-/// How it went.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Settled {
+/// No steady state was found: the step stalled, or the solves or the work of [`Newton::bound`] ran out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, thiserror::Error)]
+#[error("no steady state was found (pseudo-time step {step:.1e} s after {solves} solves)")]
+pub struct NotSteady {
     /// Newton solves.
     pub solves: usize,
     /// Last pseudo-time step, s.
     pub step: f64,
 }
 
-/// A trial state of [`settle`]: before and after a pseudo-time step.
+/// A trial state of [`continue_to_steady`]: before and after a pseudo-time step.
 #[derive(Debug)]
 pub struct Trial<'a> {
     /// State before.
@@ -62,19 +63,19 @@ pub struct Trial<'a> {
 /// solves what `control` corrected last.
 ///
 /// # Errors
-/// [`Settled`] so far, if the step stalled, or the solves or the work of [`Newton::bound`] ran out. The state is then the last one solved.
-pub fn settle<S: System>(
+/// [`NotSteady`]; the state is then the last one solved.
+pub fn continue_to_steady<S: System>(
     system: &mut S,
     newton: &mut Newton,
     state: &mut State,
-    settings: &Settling,
+    settings: &ContinuationSettings,
     mut control: impl FnMut(&mut S, &Trial<'_>) -> Option<f64>,
-) -> Result<Settled, Settled> {
+) -> Result<(), NotSteady> {
     let mut stage = Stage::new(state.y.len());
     stage.time = settings.time;
-    let mut report = Settled {
+    let mut report = NotSteady {
         step: settings.first_step,
-        ..Settled::default()
+        ..NotSteady::default()
     };
     let mut settled = false;
     while report.solves < settings.max_solves && report.step >= MIN_STEP {
@@ -103,7 +104,7 @@ pub fn settle<S: System>(
         };
         state.copy_from(&stage.state);
         if settled && last {
-            return Ok(report);
+            return Ok(());
         }
         settled = last;
         report.step *= growth(newton.jacobians);

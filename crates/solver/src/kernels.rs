@@ -31,12 +31,12 @@ pub fn gemv<const R: usize, const C: usize>(update: Update, a: &[f64], x: &[f64]
     if R > 0 {
         fixed::<R, C>(update, a, x, y);
     } else {
-        any(update, [y.len(), x.len(), 1], a, x, y);
+        general(update, [y.len(), x.len(), 1], a, x, y);
     }
 }
 
 /// Updates Y by A·X of any size: rows of Y, columns of A and of Y.
-fn any(update: Update, [rows, inner, columns]: [usize; 3], a: &[f64], x: &[f64], y: &mut [f64]) {
+fn general(update: Update, [rows, inner, columns]: [usize; 3], a: &[f64], x: &[f64], y: &mut [f64]) {
     let a = DMatrixView::from_slice(a, rows, inner);
     let x = DMatrixView::from_slice(x, inner, columns);
     let [product, old] = match update {
@@ -79,18 +79,18 @@ pub fn gemm<const R: usize, const C: usize>(
     y: &mut [f64],
 ) {
     if R > 8 {
-        beside::<R, C, 2>(update, a, x, y);
+        blocked::<R, C, 2>(update, a, x, y);
     } else if R > 0 {
-        beside::<R, C, 4>(update, a, x, y);
+        blocked::<R, C, 4>(update, a, x, y);
     } else {
-        any(update, [rows, inner, y.len() / rows], a, x, y);
+        general(update, [rows, inner, y.len() / rows], a, x, y);
     }
 }
 
 /// [`gemm`] for N columns of Y at a time: as many sums as the registers hold, so that each entry of A is read once for
 /// all of them.
 #[inline(always)]
-fn beside<const R: usize, const C: usize, const N: usize>(update: Update, a: &[f64], x: &[f64], y: &mut [f64]) {
+fn blocked<const R: usize, const C: usize, const N: usize>(update: Update, a: &[f64], x: &[f64], y: &mut [f64]) {
     let a = &a[..R * C];
     let (x, y) = (x.as_chunks::<C>().0, y.as_chunks_mut::<R>().0);
     let ((x, x_rest), (y, y_rest)) = (x.as_chunks::<N>(), y.as_chunks_mut::<N>());
@@ -124,7 +124,7 @@ pub fn largest(x: &[f64]) -> f64 {
     most.iter().chain(rest).fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// Least size of a pivot, as a share of the largest entry that could take its place: threshold pivoting (Duff, Erisman,
+/// Least size of a pivot, as a fraction of the largest entry that could take its place: threshold pivoting (Duff, Erisman,
 /// Reid 1986). Half, twice, and 1, which is partial pivoting: the work of steady states stays the same within a residual of 12 000.
 const PIVOT: f64 = 0.1;
 

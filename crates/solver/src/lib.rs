@@ -93,7 +93,7 @@ pub trait System {
     /// ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`, s.
     fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow);
 
-    /// The Jacobian for Newton's method: derivatives that have hardly changed may be those of an earlier one. Returns the share of the
+    /// The Jacobian for Newton's method: derivatives that have hardly changed may be those of an earlier one. Returns the fraction of the
     /// derivatives that was evaluated anew, beside constitutive tangents.
     fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
         self.jacobian(time, view, alpha, beta, out);

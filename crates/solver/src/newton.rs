@@ -17,7 +17,7 @@ const JACOBIANS: u64 = 15;
 /// factors costs, nine to fourteen for a push belt, since a stage with new factors takes a second iteration too.
 /// Half, twice: 0, 0 %; +2, 0 % in a stage, 0, +1 %; −3, +4 % over stages, where noisy forces take up to a quarter more with half of it.
 const ITERATIONS: usize = 24;
-/// Largest change of α, as a share of that of a factored matrix, with which the factors are tried. CVODE (Hindmarsh et al. 2005) takes 0.3.
+/// Largest change of α, as a fraction of that of a factored matrix, with which the factors are tried. CVODE (Hindmarsh et al. 2005) takes 0.3.
 /// Half, twice: +2, +7 %; +1, −1 %. Random communication steps of 0.055 to 0.145 ms take 2.5 and 1.6 times the work of equal ones instead of 1.2.
 const REUSED: f64 = 0.4;
 /// Growth of the step in one iteration at which Broyden's method is abandoned: as in CVODE. Half, twice: +3, −1 %; +7, +1 %.
@@ -97,7 +97,7 @@ pub enum Unsolved {
 #[derive(Clone, Copy, Debug)]
 pub struct WorkBound {
     /// Work that is left.
-    pub left: f64,
+    pub remaining: f64,
     /// Work of a Jacobian with its factors: with reused geometry, and what all geometry takes beside.
     pub jacobian: [f64; 2],
     /// What an iteration that has begun may take beyond the work that is left.
@@ -109,7 +109,7 @@ pub struct WorkBound {
 impl WorkBound {
     /// No bound but that of Jacobians.
     pub const NONE: Self = Self {
-        left: f64::INFINITY,
+        remaining: f64::INFINITY,
         jacobian: [0.0; 2],
         overdraft: 0.0,
         jacobians: JACOBIANS,
@@ -117,7 +117,7 @@ impl WorkBound {
 
     /// Whether an iteration that has begun has to stop.
     fn is_overdrawn(&self) -> bool {
-        self.left <= -self.overdraft
+        self.remaining <= -self.overdraft
     }
 }
 
@@ -186,7 +186,7 @@ struct Factored {
 }
 
 impl Factored {
-    /// Change from the α of the matrix to another, as a share of it: 1 without a matrix.
+    /// Change from the α of the matrix to another, as a fraction of it: 1 without a matrix.
     fn off(&self, alpha: f64) -> f64 {
         (alpha / self.alpha - 1.0).abs()
     }
@@ -230,9 +230,9 @@ pub struct Newton {
     anchor: Vec<f64>,
     /// Residual at the best place.
     best_residual: Vec<f64>,
-    /// Largest change that the last iteration of a stage left to make, as a share of the tolerance, as far as its contraction
+    /// Largest change that the last iteration of a stage left to make, as a fraction of the tolerance, as far as its contraction
     /// shows. The caller sets it to zero.
-    pub left: f64,
+    pub defect: f64,
     /// Bound of the work.
     pub bound: WorkBound,
     /// Work counts.
@@ -264,7 +264,7 @@ impl Newton {
             step: zeros.clone(),
             anchor: zeros.clone(),
             best_residual: zeros,
-            left: 0.0,
+            defect: 0.0,
             bound: WorkBound::NONE,
             counts: Counts::default(),
         }
@@ -277,7 +277,7 @@ impl Newton {
             archive.counter(&mut self.jacobians);
             archive.reals(&mut self.residual);
         }
-        archive.bounded_real(&mut self.bound.left, f64::MIN, f64::INFINITY);
+        archive.bounded_real(&mut self.bound.remaining, f64::MIN, f64::INFINITY);
         self.counts.serialize(archive);
     }
 
@@ -310,7 +310,7 @@ impl Newton {
     pub fn solve(&mut self, system: &mut impl System, stage: &mut Stage, reuse: bool) -> Result<(), Unsolved> {
         system.newton_scale(1.0 / stage.alpha, &mut self.scale);
         if !self.known {
-            if self.bound.left <= 0.0 {
+            if self.bound.remaining <= 0.0 {
                 return Err(Unsolved::OutOfWork);
             }
             self.jacobians = 0;
@@ -344,7 +344,7 @@ impl Newton {
     /// direction to the other for ever. After a full step Broyden's method goes on.
     fn damped_newton(&mut self, system: &mut impl System, stage: &mut Stage) -> Result<(), Unsolved> {
         while self.jacobians < self.bound.jacobians {
-            if self.bound.left < self.bound.jacobian[0] {
+            if self.bound.remaining < self.bound.jacobian[0] {
                 return Err(Unsolved::OutOfWork);
             }
             if self.known {
@@ -369,7 +369,7 @@ impl Newton {
         let (view, alpha) = (stage.state.view(), stage.alpha);
         let renewed = system.renew_jacobian(stage.time, view, alpha, 1.0 / alpha, &mut self.matrix);
         let [tangents, geometry] = self.bound.jacobian;
-        self.bound.left -= tangents + geometry * renewed;
+        self.bound.remaining -= tangents + geometry * renewed;
         let of = &mut self.kept[self.present];
         of.forget();
         of.lu.factor(&self.matrix).map_err(|_| Unsolved::NoSolution)?;
@@ -382,7 +382,7 @@ impl Newton {
         stage.complete(system.has_position());
         system.residual(stage.time, stage.state.view(), &mut self.residual);
         self.counts.residuals += 1;
-        self.bound.left -= 1.0;
+        self.bound.remaining -= 1.0;
     }
 
     /// Newton correction from the residual at hand with the factors at hand.
@@ -434,7 +434,7 @@ impl Newton {
             let steps = self.steps[iteration].0.iter().zip(&self.scale);
             steps.zip(&mut stage.state.y).for_each(|((u, s), y)| *y += u * s);
             if change * ahead < LEFT * stage.tolerance {
-                self.left = self.left.max(change * ahead / stage.tolerance);
+                self.defect = self.defect.max(change * ahead / stage.tolerance);
                 stage.complete(system.has_position());
                 of.excess += iteration as u64;
                 if of.excess > ITERATIONS as u64 {
@@ -462,9 +462,9 @@ impl Newton {
         self.step.copy_from_slice(&self.correction);
         self.best_residual.copy_from_slice(&self.residual);
         let (mut best, mut least) = (0.0, norm);
-        let ([mut lower, mut upper], mut share) = ([0.0, 1.0], 1.0);
+        let ([mut lower, mut upper], mut fraction) = ([0.0, 1.0], 1.0);
         for trial in 1..=2 * TRIALS {
-            move_by(-share, &mut stage.state.y, &self.anchor, &self.step);
+            move_by(-fraction, &mut stage.state.y, &self.anchor, &self.step);
             self.evaluate(system, stage);
             self.correct();
             let (change, after) = self.measure();
@@ -472,22 +472,22 @@ impl Newton {
             let projection = products.map(|((d, step), s)| (d / s) * (step / s)).sum::<f64>() / (norm * norm);
             let solved = after.is_finite() && change < LEFT * stage.tolerance;
             let accepted = solved || after < norm;
-            if accepted && (share >= 1.0 || solved || projection.abs() < PROJECTION) {
-                return Ok(share >= 1.0);
+            if accepted && (fraction >= 1.0 || solved || projection.abs() < PROJECTION) {
+                return Ok(fraction >= 1.0);
             }
             if accepted && after < least {
-                (best, least) = (share, after);
+                (best, least) = (fraction, after);
                 self.best_residual.copy_from_slice(&self.residual);
             }
             if accepted && projection > 0.0 {
-                lower = share;
+                lower = fraction;
             } else {
-                upper = share;
+                upper = fraction;
             }
             if self.bound.is_overdrawn() || best > 0.0 && trial >= TRIALS {
                 break;
             }
-            share = 0.5 * (lower + upper);
+            fraction = 0.5 * (lower + upper);
         }
         if best == 0.0 && !self.bound.is_overdrawn() {
             return Err(Unsolved::NoSolution);

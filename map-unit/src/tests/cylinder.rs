@@ -58,7 +58,7 @@ fn cylinders_move_the_sheaves() {
             ] {
                 let (cylinder, position) = (&parameters.primary.cylinder, way * (of.radius - at_one));
                 let drag = cylinder.drag(of.sheave_velocity, parameters.friction.velocity);
-                let force = given.force(cylinder) + cylinder.push(position, of.speed) - drag;
+                let force = given.force(cylinder) + cylinder.passive_force(position, of.speed) - drag;
                 assert!(
                     (of.axial_force - force).abs() <= 1e-9 * force,
                     "{} {force}",
@@ -83,15 +83,15 @@ fn cylinders_move_the_sheaves() {
 /// From an equilibrium, half the friction of the seals more pressure: the sheave creeps as the regularised law does.
 #[test]
 fn seals_hold_the_ratio_but_for_creep() {
-    let [rubbing, free] = [400.0, 0.0].map(|seal| {
+    let [seal_friction, free] = [400.0, 0.0].map(|seal| {
         let mut settings = settings(seal);
         settings.parameters.secondary.cylinder.seal = 0.0;
         let mut unit = start(&settings);
         settings.inputs.primary.pressure += 0.5 * 400.0 / CYLINDER.area;
         run(&mut unit, &settings, 0.01, 0.01).primary.sheave_velocity
     });
-    let creeps = 0.0 < rubbing && rubbing < free && rubbing < 5e-4 / 3.0_f64.sqrt();
-    assert!(creeps, "{rubbing} {free}");
+    let creeps = 0.0 < seal_friction && seal_friction < free && seal_friction < 5e-4 / 3.0_f64.sqrt();
+    assert!(creeps, "{seal_friction} {free}");
 }
 
 /// At the start and in a run, each once.

@@ -110,7 +110,7 @@ fn values_are_those_of_the_file() {
     let limits = |[force, speed, ratio]: [f64; 3]| {
         let place = tables.place(force, speed, ratio.ln());
         let rates = [-1.0, 1.0].map(|utilisation| tables.shift_rate(&place, utilisation, 9.0).0);
-        (tables.limits.at(&place, 0, 0.0).0, rates, place.outside)
+        (tables.limits.interpolate(&place, 0, 0.0).0, rates, place.outside)
     };
     let [_, speeds, ratios] = axes.each_ref().map(Vec::len);
     let [capacity, rates] = ["capacity", "shiftRate"].map(|name| flat(&document["tables"][name]["values"]));

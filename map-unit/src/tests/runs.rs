@@ -24,7 +24,7 @@ fn refused(settings: &Settings) -> String {
     started.map(drop).expect_err("settings that do not fit")
 }
 
-/// Power that neither is lost nor goes out, as a share of that which goes in: 0 in an equilibrium of torques at both shafts.
+/// Power that neither is lost nor goes out, as a fraction of that which goes in: 0 in an equilibrium of torques at both shafts.
 fn unbalanced(of: &Outputs) -> f64 {
     let [into, out] = [of.primary, of.secondary].map(|of| of.external_torque * of.speed);
     assert!((of.efficiency + out / into).abs() < 1e-9);

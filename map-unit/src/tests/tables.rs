@@ -1,7 +1,7 @@
 //! Places on axes, and cubics.
 
 use crate::cubic::resampled;
-use crate::tables::{Even, interval};
+use crate::tables::{UniformAxis, interval};
 
 #[test]
 fn places_are_found_on_long_and_short_axes() {
@@ -9,9 +9,9 @@ fn places_are_found_on_long_and_short_axes() {
         assert_eq!(interval(&[1.0, 2.0, 4.0], at), found);
     }
     assert_eq!(interval(&[1.0], 9.0), (0, 0.0));
-    let even = Even::over(&[-1.0, 1.0], 5);
+    let even = UniformAxis::over(&[-1.0, 1.0], 5);
     assert_eq!([even.find(0.25), even.find(7.0)], [(2, 0.5), (3, 1.0)]);
-    assert_eq!(Even::over(&[2.0], 5).find(7.0), (0, 0.0));
+    assert_eq!(UniformAxis::over(&[2.0], 5).find(7.0), (0, 0.0));
 }
 
 /// As those of scipy's PchipInterpolator. In the second one the tangent at the beginning is limited, and the rise changes its sign.

@@ -13,7 +13,7 @@ use nalgebra::SymmetricEigen;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
 use pushbelt::variator::Variator;
-use pushbelt::variator::belt_ring::{self, BeltRing};
+use pushbelt::variator::ring_models::{self, BeltRing};
 use pushbelt::variator::settings::RingModel;
 use pushbelt_paper::belts::Rotated;
 use pushbelt_paper::reference_curve::{AngledCurve, TwoPulley, Unaligned};
@@ -393,7 +393,7 @@ fn eulerian_rings(jobs: &mut Vec<Job>, plan: Plan) {
 /// Computing effort of the manoeuvre of the FMU with A_i = identity and [t, n].
 fn manoeuvres(jobs: &mut Vec<Job>) {
     let rings: [(&str, Arc<dyn BeltRing>); 2] = [
-        (Ale::NAME, Arc::new(belt_ring::Ale::<2>)),
+        (Ale::NAME, Arc::new(ring_models::Ale::<2>)),
         (AleTurning::NAME, Arc::new(Rotated::<2>)),
     ];
     for (name, ring) in rings {

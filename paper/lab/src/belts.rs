@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pushbelt::variator::belt_ring::BeltRing;
+use pushbelt::variator::ring_models::BeltRing;
 use pushbelt_paper::belts::Travels;
 use pushbelt_paper::ring::ancf::AncfElement;
 use pushbelt_paper::ring::rcm::RcmElement;

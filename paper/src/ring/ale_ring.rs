@@ -125,7 +125,7 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
             s_ddot: drift.acceleration,
         };
         let place = &self.mesh.elements[element];
-        let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
+        let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.length);
         let node = |i: usize, of: fn(&Motion<T>) -> T| {
             let unknown = |k: usize| if self.flexible { of(&motion[k]) } else { T::zero() };
             Node {
@@ -141,7 +141,7 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
         let rotated = match self.directions {
             OverlayDirections::Fixed => None,
             OverlayDirections::Reference => {
-                let curvature = [place.start, place.start + place.share]
+                let curvature = [place.start, place.start + place.length]
                     .map(|fraction| C::tangent_angle(frame, place.segment, fraction).kappa);
                 Some(RotatedElement::new(curvature, &reference.theta, &mut nodes))
             }

@@ -42,7 +42,7 @@ impl LagrangianElement for AncfElement {
     }
 
     fn shape<W: Real>(x: W) -> Hermite<W> {
-        Hermite::at(x)
+        Hermite::new(x)
     }
 
     fn place_on(_length: f64, start: f64, shape: RingShape<'_>, block: &mut [f64]) {

@@ -2,7 +2,7 @@
 //! particles from its unknowns, and maps forces on them to forces on its unknowns.
 //!
 //! A prime is the derivative along the unstretched ring, ∂/∂ξ at fixed time = ∂/∂x̄ (1), and velocities are those of
-//! the material. The mesh of chain and contact is fixed in space. The chain uses the ring at a mesh point η:
+//! the material. The mesh of stack and contact is fixed in space. The stack uses the ring at a mesh point η:
 //! [`Particle::at_station`] computes this [`RingPoint`] from the particle that passes there,
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.

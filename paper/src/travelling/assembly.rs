@@ -12,7 +12,7 @@ use crate::travelling::evaluation::{
 use crate::travelling::order::{Order, nodal};
 use crate::travelling::passing::{CONTENT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
-use pushbelt::variator::belt_ring::{
+use pushbelt::variator::ring_models::{
     Assembly, Belt, InForce, Layout, PulleyLoad, ResultantDerivatives, Sample, Transport, Transports,
 };
 
@@ -161,9 +161,9 @@ fn add_cell_derivatives<E: LagrangianElement>(
         transports.set(over.cell, &rows.balance.transport.map(|of| of.re));
         for (derivatives, of) in of_cell
             .transport
-            .each_mut()
+            .as_mut_array()
             .into_iter()
-            .zip(rows.balance.transport.each())
+            .zip(rows.balance.transport.as_array())
         {
             derivatives[first..][..columns.len()].copy_from_slice(&of.eps[..columns.len()]);
         }

@@ -9,8 +9,8 @@ use crate::scalar::{Real, Tangent};
 use crate::solver::View;
 use crate::travelling::order::nodal;
 use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtPoint};
-use pushbelt::variator::belt_ring::{
-    AtStation, CELL_POINTS, CellInput, CellMotion, CellPoints, InForce, Layout, Part, Place, balance,
+use pushbelt::variator::ring_models::{
+    AtStation, CELL_POINTS, CellGeometry, CellInput, CellMotion, CellPoints, InForce, Layout, StateComponent, balance,
 };
 use std::ops::Mul;
 
@@ -37,7 +37,7 @@ pub(super) trait Scalars: Copy {
     /// The scalar of a value, its direction and its derivative.
     fn seed(&self, value: f64, direction: usize, derivative: f64) -> Self::T;
     /// The scalar of a place on the ring.
-    fn place(&self, place: Self::T) -> Self::W;
+    fn coordinate(&self, coordinate: Self::T) -> Self::W;
 }
 
 /// Plain numbers without derivatives.
@@ -55,8 +55,8 @@ impl Scalars for Values {
         value
     }
     #[inline(always)]
-    fn place(&self, place: f64) -> f64 {
-        place
+    fn coordinate(&self, coordinate: f64) -> f64 {
+        coordinate
     }
 }
 
@@ -78,8 +78,8 @@ impl Scalars for Still {
         Differentiated::seed(value, direction.wrapping_sub(self.first), derivative)
     }
     #[inline(always)]
-    fn place(&self, place: Differentiated) -> f64 {
-        place.re
+    fn coordinate(&self, coordinate: Differentiated) -> f64 {
+        coordinate.re
     }
 }
 
@@ -98,8 +98,8 @@ impl Scalars for Moving {
         self.0.seed(value, direction, derivative)
     }
     #[inline(always)]
-    fn place(&self, place: Differentiated) -> Differentiated {
-        place
+    fn coordinate(&self, coordinate: Differentiated) -> Differentiated {
+        coordinate
     }
 }
 
@@ -121,12 +121,12 @@ struct CellScalars<'a, S> {
 
 impl<S: Scalars> CellScalars<'_, S> {
     #[inline(always)]
-    fn unknown(&self, part: Part, k: usize) -> S::T {
+    fn unknown(&self, part: StateComponent, k: usize) -> S::T {
         let [alpha, beta] = self.scalars.factors();
         let (of, factor) = match part {
-            Part::Position => (self.view.q, beta),
-            Part::Value => (self.view.y, 1.0),
-            Part::Rate => (self.view.y_dot, alpha),
+            StateComponent::Position => (self.view.q, beta),
+            StateComponent::Value => (self.view.y, 1.0),
+            StateComponent::Rate => (self.view.y_dot, alpha),
         };
         self.scalars.seed(of[self.at[k]], k, factor)
     }
@@ -155,35 +155,36 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         let of_mesh = &belt.mesh.cells[over.cell];
         let element = &belt.mesh.elements[of_mesh.element];
         let plane = law.planes[of_mesh.pulley];
-        let [layers, spin] = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
-        let place = Place {
+        let [layers, rotation_drag] = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
+        let geometry = CellGeometry {
             // Stations of the mesh have fractions of the segment.
             of_segment: [0.0, 1.0],
             face: &of_mesh.face,
             stations: &of_mesh.stations,
             axis: law.axes[of_mesh.pulley],
             plane: [plane.side, plane.middle],
-            length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
+            length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.length),
             layer_drag: layers[of_mesh.pulley as usize],
-            spin: spin[of_mesh.pulley as usize],
+            rotation_drag: rotation_drag[of_mesh.pulley as usize],
         };
         let references: [Option<ReferencePoint<S::T>>; CELL_POINTS] = std::array::from_fn(|number| {
-            (number <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(number)))
+            (number <= of_mesh.stations.len())
+                .then(|| TwoPulley::point(frame, element.segment, geometry.fraction(number)))
         });
-        let drift = of.unknown(Part::Position, globals);
+        let drift = of.unknown(StateComponent::Position, globals);
         let per_element = self.ring.element_length().recip();
         let points = std::array::from_fn(|number| {
             let xi = references[number].as_ref()?.xi.v;
             let x = ((xi - drift) * per_element - over.turn[number]) * 2.0 - 1.0;
             Some(self.ring_at(over, number, x, &of))
         });
-        let multipliers = [GAUGE, GAUGE + 1].map(|k| of.unknown(Part::Value, own + k));
+        let multipliers = [GAUGE, GAUGE + 1].map(|k| of.unknown(StateComponent::Value, own + k));
         let mut passing = Passing::<_, _, E>::new(points, &motion.reference, multipliers);
         let reference = |number: usize| references[number].expect("a point of the cell");
         let given = CellInput {
             law,
             friction,
-            place: &place,
+            geometry: &geometry,
             motion: &motion,
         };
         let (balance, _) = balance(&given, &mut passing, reference, &mut CellPoints::empty(), observe);
@@ -204,12 +205,12 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
     ) -> RingAtPoint<S::T, S::W, E> {
         let first = over.first(number);
         let unknowns: [Motion<S::T>; NODAL] = std::array::from_fn(|k| Motion {
-            value: of.unknown(Part::Position, first + k),
-            rate: of.unknown(Part::Value, first + k),
-            acceleration: of.unknown(Part::Rate, first + k),
+            value: of.unknown(StateComponent::Position, first + k),
+            rate: of.unknown(StateComponent::Value, first + k),
+            acceleration: of.unknown(StateComponent::Rate, first + k),
         });
         let motion = self.ring.motion(&unknowns);
-        let shape = E::shape(of.scalars.place(x));
+        let shape = E::shape(of.scalars.coordinate(x));
         let particle = E::particle(&motion, &shape);
         let tension = if E::MEAN_STRAIN {
             self.mean_tension(over.element(number), first, of.scalars)

@@ -5,7 +5,7 @@
 //! the largest distance of two coupled unknowns, so the result is an arrow matrix.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
-use pushbelt::variator::belt_ring::{Belt, BeltMesh, CELL_POINTS, Cell, Layout};
+use pushbelt::variator::ring_models::{Belt, BeltMesh, CELL_POINTS, Cell, Layout};
 use pushbelt::variator::settings::Parameters;
 
 /// Nodes of a travelling ring.

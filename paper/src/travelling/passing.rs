@@ -1,8 +1,8 @@
 //! A Lagrangian ring that passes under the cells: `ANCF` and `RCM` in the variator.
 //!
-//! The stations of chain and contact are fixed in space and the ring passes under them: the particle at a station ξ is
+//! The stations of stack and contact are fixed in space and the ring passes under them: the particle at a station ξ is
 //! x̄ = ξ − s (1). The ring's own forces are assembled on its own elements
-//! ([`LagrangianRing`](crate::ring::lagrangian::LagrangianRing)). The loads of chain and contact at a station act on the
+//! ([`LagrangianRing`](crate::ring::lagrangian::LagrangianRing)). The loads of stack and contact at a station act on the
 //! nodes of the element under it.
 //!
 //! s and Θ only move the mesh of the stations. As in `ALE` they duplicate motions of the ring, and two conditions with
@@ -11,7 +11,7 @@
 //! ∮ (ḋ + d/τ)·G dξ = 0, d = r − R, with G = R' for s and G = ∂R/∂Θ for Θ.
 //!
 //! With δr|_η = δr − r' δw, δw = δs − (∂ξ/∂Θ) δΘ, every virtual motion of the mesh has a row, so the power between ring,
-//! chain and contact is balanced. The multipliers are small: they balance the force on s alone that results from the
+//! stack and contact is balanced. The multipliers are small: they balance the force on s alone that results from the
 //! reference curvature in the pitch line (λ = |r'| − e κ_ref).
 
 use crate::reference_curve::ReferencePoint;
@@ -22,8 +22,8 @@ use crate::ring::model::NODAL;
 use crate::ring::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
 use crate::travelling::order::{Travelling, nodal};
-use pushbelt::variator::belt_ring::{
-    Action, Belt, CELL_POINTS, CONSTRAINT_SCALE, CellBalance, CellRing, Layout, RingDensity,
+use pushbelt::variator::ring_models::{
+    Belt, CELL_POINTS, CONSTRAINT_SCALE, CellBalance, CellRing, Layout, RingDensity, StationLoad,
 };
 use std::ops::Mul;
 
@@ -198,17 +198,17 @@ impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> fo
     }
 
     #[inline(always)]
-    fn apply(&mut self, number: usize, point: &RingPoint<T>, action: &Action<T>) {
+    fn apply(&mut self, number: usize, point: &RingPoint<T>, station_load: &StationLoad<T>) {
         let Some(at) = &self.points[number] else { return };
         let reference = &point.reference;
-        let weight = action.weight;
+        let weight = station_load.weight;
         // Virtual motion of the mesh point with s and Θ.
         let along = reference.t;
         let across = reference.r_theta - reference.t * reference.xi.d;
         let off = (point.r - reference.r) * T::from(FOLLOWING_TIME.recip()) + point.r_dot
             - reference.r_theta * self.motion.theta.rate;
         let pull = (along * self.multipliers[0] + across * self.multipliers[1]) * T::from(CONSTRAINT_SCALE);
-        let load = &action.load;
+        let load = &station_load.load;
         let position = load.position + pull;
         let drift = load.drift - position.dot(&point.slope) - load.slope.dot(&point.bend);
         let forces = &mut self.forces;

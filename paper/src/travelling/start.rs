@@ -13,7 +13,7 @@ use crate::ring::mesh::{RingMesh, gauss};
 use crate::ring::model::{Coordinates, NODAL, RingFormulation};
 use crate::ring::particle::Particle;
 use crate::solver::State;
-use pushbelt::variator::belt_ring::Belt;
+use pushbelt::variator::ring_models::Belt;
 use std::f64::consts::{PI, TAU};
 
 /// Half the time of the difference quotient of the unknowns, s, in which the ring moves by a micrometre.

@@ -155,13 +155,13 @@ fn shape_function_of_the_second_slope() {
         )
     };
     let used = |x: f64| {
-        let shape = Hermite::at(x);
+        let shape = Hermite::new(x);
         (length * shape.n[3], length * shape.ddn[3])
     };
     // ∫u''² dξ of u = ξ: values −l/2, l/2 and slopes 1 at the ends. d²/dξ² = (2/l)² d²/dx². Two Gauss points are exact.
     let bending = |fourth: &dyn Fn(f64) -> (f64, f64)| {
         let at = |x: f64| {
-            let shape = Hermite::at(x);
+            let shape = Hermite::new(x);
             let bend = (-shape.ddn[0] + shape.ddn[2]) * length / 2.0 + shape.ddn[1] * length + fourth(x).1;
             bend * bend * (2.0 / length).powi(4) * length / 2.0
         };

@@ -19,7 +19,7 @@ pub struct Hermite<L = f64> {
 impl<L: Real> Hermite<L> {
     /// Functions N₁, N₂/l, N₃, N₄/l at `x`. The paper prints N₄ with the opposite sign.
     #[must_use]
-    pub fn at(x: L) -> Self {
+    pub fn new(x: L) -> Self {
         Self {
             n: [
                 (-(x * 3.0) + 2.0 + x * x * x) * 0.25,

@@ -1,8 +1,8 @@
 //! Derivatives of a pack of cells: geometry, and the part of the constitutive laws as L, S, R
 //! ([`laws`](crate::variator::cell::laws)). With updated tangents S they are those of the current state.
 
-use crate::chain::Transport;
 use crate::scalar::{Lanes, along};
+use crate::stack::Transport;
 use crate::variator::assembly::kinds::rows;
 use crate::variator::cell::degrees::{DegreesOfFreedom, MOST, MOST_ROWS};
 use crate::variator::cell::laws::{ARGUMENTS, Arguments, FORCES, OfLaws, Tangents, sizes};
@@ -16,7 +16,7 @@ pub(crate) struct Derivatives {
     /// Direction by direction for each row of the balance.
     block: Vec<Lanes>,
     /// L: for each force, the rows of the block. R: for each argument, the directions. Both are empty without derivatives by hand.
-    left: Vec<Lanes>,
+    force_rows: Vec<Lanes>,
     right: Vec<Lanes>,
     /// S of the block, and the current one.
     tangents: [Vec<Tangents>; 2],
@@ -29,7 +29,7 @@ impl Derivatives {
         let zeros = |len| vec![Lanes::zero(); len];
         Self {
             block: zeros(K::DEGREES.rows * K::DEGREES.count),
-            left: zeros(laws * FORCES * K::DEGREES.rows),
+            force_rows: zeros(laws * FORCES * K::DEGREES.rows),
             right: zeros(laws * ARGUMENTS * K::DEGREES.count),
             tangents: [0, 1].map(|_| vec![Tangents::default(); laws]),
         }
@@ -69,14 +69,14 @@ impl Derivatives {
                 count += 1;
             }
         }
-        let left = |force: usize, row: usize| self.left[force * K::DEGREES.rows + row];
+        let force_rows = |force: usize, row: usize| self.force_rows[force * K::DEGREES.rows + row];
         // Four forces at a time, so that an entry is read and written once for all of them.
         let fours = changes[..count].chunks_exact(4);
         let rows = out.chunks_exact_mut(width).zip(self.block.chunks_exact(width));
         for (row, (to, block)) in rows.enumerate() {
             to.copy_from_slice(block);
             for four in fours.clone() {
-                let by: [Lanes; 4] = std::array::from_fn(|k| left(four[k].0, row));
+                let by: [Lanes; 4] = std::array::from_fn(|k| force_rows(four[k].0, row));
                 let through: [&[Lanes]; 4] = std::array::from_fn(|k| &four[k].1[..width]);
                 for (column, to) in to.iter_mut().enumerate() {
                     *to += (by[0] * through[0][column] + by[1] * through[1][column])
@@ -84,7 +84,7 @@ impl Derivatives {
                 }
             }
             for (force, through) in fours.remainder() {
-                let by = left(*force, row);
+                let by = force_rows(*force, row);
                 to.iter_mut()
                     .zip(through)
                     .for_each(|(to, through)| *to += by * *through);
@@ -115,9 +115,9 @@ impl Columns<'_> {
         for (row, block) in rows.iter().zip(block.chunks_exact_mut(width)) {
             block[direction] = value(*row);
         }
-        for (figure, of) in transport.each().into_iter().enumerate() {
+        for (figure, of) in transport.as_array().into_iter().enumerate() {
             for (&cell, derivative) in self.cells.iter().zip(value(*of).to_array()) {
-                self.transports[cell].each_mut()[figure][direction] = derivative;
+                self.transports[cell].as_mut_array()[figure][direction] = derivative;
             }
         }
         let laws = right.len() / (ARGUMENTS * width);
@@ -139,7 +139,7 @@ impl Columns<'_> {
         let degrees = K::DEGREES;
         let mut arguments = OfLaws::<Arguments<Lanes>>::default();
         for k in (0..degrees.drift).chain(degrees.sheave..degrees.count) {
-            let direction = Direction::of::<K>(k);
+            let direction = Direction::from_index::<K>(k);
             let (b, ring) = match direction {
                 Direction::Ring(_) if R::MOVES => linear.vary::<true>(direction, &mut arguments),
                 _ => linear.vary::<false>(direction, &mut arguments),
@@ -147,10 +147,10 @@ impl Columns<'_> {
             let rows = rows::<_, K, D>(&b, &ring);
             self.record::<K, _, D>(k, (&rows, &b.transport, &arguments), |value| value);
         }
-        let left = &mut self.derivatives.left;
+        let force_rows = &mut self.derivatives.force_rows;
         linear.for_each_force(|force, b, ring| {
             let rows = rows::<_, K, D>(&b, &ring);
-            left[force * degrees.rows..][..degrees.rows].copy_from_slice(&rows[..degrees.rows]);
+            force_rows[force * degrees.rows..][..degrees.rows].copy_from_slice(&rows[..degrees.rows]);
         });
     }
 }

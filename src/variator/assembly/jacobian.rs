@@ -9,7 +9,7 @@ use crate::variator::belt::equations::InForce;
 use crate::variator::cell::degrees::DegreesOfFreedom;
 use crate::variator::cell::laws::{ARGUMENTS, Arguments, OfLaws, Tangents, record_arguments, record_tangents};
 use crate::variator::cell::variation::Linearised;
-use crate::variator::law::place::{CellBalance, Part};
+use crate::variator::law::arguments::{CellBalance, StateComponent};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::EulerianRing;
 use num_traits::Zero;
@@ -29,7 +29,7 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     unknowns: &Unknowns,
     mut columns: Columns<'_>,
 ) -> CellBalance<Lanes> {
-    let plain = |part: Part, k: usize| unknowns[part as usize][k];
+    let plain = |component: StateComponent, k: usize| unknowns[component as usize][k];
     let seen = RefCell::new((OfLaws::<Tangents>::default(), [None; STATIONS]));
     let into = &mut columns;
     let (b, _) = pack_balance::<Lanes, K, D, C, _>(
@@ -54,8 +54,15 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     );
     let mut arguments: OfLaws<Arguments<_>> = [[Tangent::zero(); ARGUMENTS]; _];
     for (directions, frame) in frames.passes() {
-        let seeded =
-            |part: Part, k: usize| seed(&frames.factors, unknowns[part as usize][k], part, k, directions.start);
+        let seeded = |component: StateComponent, k: usize| {
+            seed(
+                &frames.factors,
+                unknowns[component as usize][k],
+                component,
+                k,
+                directions.start,
+            )
+        };
         let (b, ring) = pack_balance::<Tangent<PASS>, K, D, C, _>(
             acting,
             of_pack,
@@ -116,11 +123,12 @@ impl<C: MeshCurve> Frames<C> {
             still: None,
         };
         let pass_from = |first: usize| {
-            let seed = |k: usize, value, part| seed(&factors, Lanes::from(value), part, degrees.theta + k, first);
+            let seed =
+                |k: usize, value, component| seed(&factors, Lanes::from(value), component, degrees.theta + k, first);
             let path = std::array::from_fn(|k| Jet {
-                v: seed(k, path[k].v, Part::Position),
-                d: seed(k, path[k].d, Part::Value),
-                dd: seed(k, path[k].dd, Part::Rate),
+                v: seed(k, path[k].v, StateComponent::Position),
+                d: seed(k, path[k].d, StateComponent::Value),
+                dd: seed(k, path[k].dd, StateComponent::Rate),
             });
             frame::<_, K, C>(curve, path)
         };
@@ -151,6 +159,6 @@ impl<C: MeshCurve> Frames<C> {
 
 /// A part of unknown `k` with its derivatives in the directions of a pass from `first` on.
 #[inline(always)]
-fn seed(factors: &[f64; 3], value: Lanes, part: Part, k: usize, first: usize) -> Tangent<PASS> {
-    Tangent::seed(value, k.wrapping_sub(first), factors[part as usize])
+fn seed(factors: &[f64; 3], value: Lanes, component: StateComponent, k: usize, first: usize) -> Tangent<PASS> {
+    Tangent::seed(value, k.wrapping_sub(first), factors[component as usize])
 }

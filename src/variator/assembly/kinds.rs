@@ -11,7 +11,7 @@ use crate::variator::cell::balance::balance;
 use crate::variator::cell::degrees::{DeflectingRing, DegreesOfFreedom, GuidedRing, MOST_ROWS};
 use crate::variator::cell::sample::AtStation;
 use crate::variator::cell::state::{CellInput, CellPoints, CellState};
-use crate::variator::law::place::{CellBalance, CellMotion, Part, Place};
+use crate::variator::law::arguments::{CellBalance, CellGeometry, CellMotion, StateComponent};
 use crate::variator::rings::deflecting::Deflecting;
 use crate::variator::rings::guided::Guided;
 use crate::variator::rings::ring::{EulerianRing, RingForces, VaryingRing};
@@ -28,9 +28,9 @@ pub trait RingKind<const D: usize, C: MeshCurve>: DegreesOfFreedom {
     fn ring<'a, T: Real>(
         &self,
         ring: &'a Ring,
-        at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        at: (&'a CellGeometry<'a, T>, &'a ReferenceMotion<T>),
         curve: (&'a C::Frame<T>, usize),
-        unknown: impl Fn(Part, usize) -> T,
+        unknown: impl Fn(StateComponent, usize) -> T,
     ) -> Self::Ring<'a, T>;
 
     /// The ring itself, if its derivatives are written by hand.
@@ -47,13 +47,13 @@ impl<C: MeshCurve> RingKind<2, C> for GuidedRing {
     fn ring<'a, T: Real>(
         &self,
         ring: &'a Ring,
-        (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        (geometry, motion): (&'a CellGeometry<'a, T>, &'a ReferenceMotion<T>),
         curve: (&'a C::Frame<T>, usize),
-        unknown: impl Fn(Part, usize) -> T,
+        unknown: impl Fn(StateComponent, usize) -> T,
     ) -> Guided<'a, T, C> {
         let after = Self::DEGREES.content;
-        let tension = [1, 2].map(|k| unknown(Part::Value, after + k));
-        Guided::new(ring, (place, motion), curve, tension)
+        let tension = [1, 2].map(|k| unknown(StateComponent::Value, after + k));
+        Guided::new(ring, (geometry, motion), curve, tension)
     }
 
     #[inline(always)]
@@ -69,11 +69,11 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
     fn ring<'a, T: Real>(
         &self,
         ring: &'a Ring,
-        (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        (geometry, motion): (&'a CellGeometry<'a, T>, &'a ReferenceMotion<T>),
         _: (&'a C::Frame<T>, usize),
-        unknown: impl Fn(Part, usize) -> T,
+        unknown: impl Fn(StateComponent, usize) -> T,
     ) -> Deflecting<'a, T, D> {
-        Deflecting::new(ring, place, motion, &nodes(unknown))
+        Deflecting::new(ring, geometry, motion, &nodes(unknown))
     }
 
     #[inline(always)]
@@ -99,20 +99,20 @@ pub(crate) fn pack_balance<T: Real<Constant = Lanes>, K: RingKind<D, C>, const D
     InForce { belt, friction }: InForce<'_>,
     (kind, pack): (&K, &Pack),
     frame: &C::Frame<T>,
-    unknown: impl Fn(Part, usize) -> T,
+    unknown: impl Fn(StateComponent, usize) -> T,
     observe: impl FnMut(&AtStation<'_, T, D>),
     then: impl FnOnce(&K::Ring<'_, T>, (CellInput<'_, T>, CellState<T>, &CellPoints<T, D>)) -> O,
 ) -> (CellBalance<T>, O) {
     let law = &belt.law;
     let motion = motion::<T, K>(&unknown);
-    let place = pack.place::<T, C>(law, frame);
-    let reference = |at: usize| C::point(frame, pack.segment, place.fraction(at));
+    let geometry = pack.geometry::<T, C>(law, frame);
+    let reference = |at: usize| C::point(frame, pack.segment, geometry.fraction(at));
     let curve = (frame, pack.segment);
-    let mut ring = kind.ring::<T>(&law.ring, (&place, &motion.reference), curve, &unknown);
+    let mut ring = kind.ring::<T>(&law.ring, (&geometry, &motion.reference), curve, &unknown);
     let given = CellInput {
         law,
         friction,
-        place: &place,
+        geometry: &geometry,
         motion: &motion,
     };
     let mut points = CellPoints::empty();
@@ -122,23 +122,23 @@ pub(crate) fn pack_balance<T: Real<Constant = Lanes>, K: RingKind<D, C>, const D
 
 /// Motion of the nodes (`ALE`), from the `unknown` of a part and a direction.
 #[inline(always)]
-pub fn nodes<T: Real, const D: usize>(unknown: impl Fn(Part, usize) -> T) -> [Motion<Node<T, D>>; 2] {
+pub fn nodes<T: Real, const D: usize>(unknown: impl Fn(StateComponent, usize) -> T) -> [Motion<Node<T, D>>; 2] {
     [0, 2 * D].map(|first| {
-        let node = |part: Part| Node {
-            a: SVector::from_fn(|k, _| unknown(part, first + 2 * k)),
-            b: SVector::from_fn(|k, _| unknown(part, first + 2 * k + 1)),
+        let node = |component: StateComponent| Node {
+            a: SVector::from_fn(|k, _| unknown(component, first + 2 * k)),
+            b: SVector::from_fn(|k, _| unknown(component, first + 2 * k + 1)),
         };
         Motion {
-            value: node(Part::Position),
-            rate: node(Part::Value),
-            acceleration: node(Part::Rate),
+            value: node(StateComponent::Position),
+            rate: node(StateComponent::Value),
+            acceleration: node(StateComponent::Rate),
         }
     })
 }
 
 /// Motion of a cell, from the `unknown` of a part and a direction.
 #[inline(always)]
-pub(crate) fn motion<T: Real, K: DegreesOfFreedom>(unknown: impl Fn(Part, usize) -> T) -> CellMotion<T> {
+pub(crate) fn motion<T: Real, K: DegreesOfFreedom>(unknown: impl Fn(StateComponent, usize) -> T) -> CellMotion<T> {
     let degrees = K::DEGREES;
     let mut motion = CellMotion::of_unknowns([degrees.nodes, degrees.drift, degrees.sheave], unknown);
     if degrees.coordinates > 1 {

@@ -10,12 +10,12 @@ use crate::solver::arrow::{Arrow, Shape};
 use crate::variator::belt::Belt;
 use crate::variator::belt::sums::ResultantDerivatives;
 use crate::variator::cell::degrees::{DegreesOfFreedom, MOST, MOST_ROWS};
-use crate::variator::law::place::{CellLaw, Place};
+use crate::variator::law::arguments::{CellGeometry, CellLaw};
 use crate::variator::mesh::belt_mesh::{Group, Station};
 use num_traits::Zero;
 use std::sync::Arc;
 
-/// Unknowns of a pack for each [`Part`](crate::variator::law::place::Part), by their directions.
+/// Unknowns of a pack for each [`StateComponent`](crate::variator::law::arguments::StateComponent), by their directions.
 pub(crate) type Unknowns = [[Lanes; MOST]; 3];
 
 /// Face and stations of the cells of a pack. Elements are divided alike, so most packs share these and they stay in the
@@ -56,14 +56,19 @@ pub(crate) struct Pack {
 }
 
 impl Pack {
-    /// Place of its cells on the belt.
+    /// Geometry of its cells.
     #[inline(always)]
-    pub fn place<T: Real<Constant = Lanes>, C: MeshCurve>(&self, law: &CellLaw, frame: &C::Frame<T>) -> Place<'_, T> {
+    pub fn geometry<T: Real<Constant = Lanes>, C: MeshCurve>(
+        &self,
+        law: &CellLaw,
+        frame: &C::Frame<T>,
+    ) -> CellGeometry<'_, T> {
         let arcs = C::arcs(frame);
         let drags = law.arc_drags(arcs.radius.map(|radius| radius.v), arcs.wraps());
         let on = &self.group.on;
-        let [layer_drag, spin] = drags.map(|[secondary, primary]| secondary * on.secondary + primary * on.primary);
-        Place {
+        let [layer_drag, rotation_drag] =
+            drags.map(|[secondary, primary]| secondary * on.secondary + primary * on.primary);
+        CellGeometry {
             of_segment: self.of_segment,
             face: &self.points.face,
             stations: &self.points.stations,
@@ -71,7 +76,7 @@ impl Pack {
             plane: self.plane,
             length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, self.segment), self.of_segment[1]),
             layer_drag,
-            spin,
+            rotation_drag,
         }
     }
 
@@ -233,7 +238,7 @@ pub(crate) fn packs<K: DegreesOfFreedom>(belt: &Belt) -> Vec<Pack> {
     let whole = Element {
         segment: 0,
         start: 0.0,
-        share: 1.0,
+        length: 1.0,
     };
     let element = parts(&whole, mesh.cells_per_element, mesh.points);
     let mut known: Vec<Arc<PackStations>> = Vec::new();
@@ -263,7 +268,7 @@ pub(crate) fn packs<K: DegreesOfFreedom>(belt: &Belt) -> Vec<Pack> {
             segment: mesh.elements[member[0].element].segment,
             of_segment: [
                 lanes(&|element| mesh.elements[element].start),
-                lanes(&|element| mesh.elements[element].share),
+                lanes(&|element| mesh.elements[element].length),
             ],
             points: points_of(group.cells),
             axis: of_pulley(&|pulley| belt.law.axes[pulley]),
@@ -287,8 +292,9 @@ fn strips<K: DegreesOfFreedom>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Ve
         } else {
             degrees.drift
         };
-        let place = |column: usize| at.map(|at| shape.index(at[row], at[column]).expect("neighbours are in the band"));
-        (0..columns).map(place).collect()
+        let entries =
+            |column: usize| at.map(|at| shape.index(at[row], at[column]).expect("neighbours are in the band"));
+        (0..columns).map(entries).collect()
     };
     let follow = |first: &[[usize; LANES]], then: &[[usize; LANES]], by: usize| {
         let mut pairs = first.as_flattened().iter().zip(then.as_flattened());
@@ -322,8 +328,8 @@ pub(crate) fn flux_entries<K: DegreesOfFreedom>(belt: &Belt) -> Vec<FluxEntries>
                 let at = unknowns_of::<K>(belt, of);
                 // With one cell per element, the derivative of its density with respect to the far node (ring stretch, reverse
                 // flow only) would be outside the band.
-                let place = |row: usize, k: usize| (k < K::DEGREES.count).then(|| shape.index(row, at[k])).flatten();
-                std::array::from_fn(|k| rows.map(|row| place(row, k)))
+                let entry = |row: usize, k: usize| (k < K::DEGREES.count).then(|| shape.index(row, at[k])).flatten();
+                std::array::from_fn(|k| rows.map(|row| entry(row, k)))
             })
         })
         .collect()

@@ -1,12 +1,12 @@
 //! Cells on an Eulerian mesh: residual, Jacobian and samples, pack by pack.
 
 use crate::archive::Archive;
-use crate::chain::Transport;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{COORDINATES, MeshCurve, ReferenceCurve};
 use crate::scalar::Lanes;
 use crate::solver::arrow::Arrow;
 use crate::solver::{State, View};
+use crate::stack::Transport;
 use crate::variator::assembly::derivatives::{Columns, Derivatives, UpdateWork};
 use crate::variator::assembly::jacobian::{Frames, differentiate};
 use crate::variator::assembly::kinds::{RingKind, frame, pack_balance, rows};
@@ -17,7 +17,7 @@ use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CellUnknowns, THETA_PER_METRE};
 use crate::variator::cell::degrees::{DeflectingRing, GuidedRing, MOST};
 use crate::variator::cell::sample::{AtStation, Sample};
-use crate::variator::law::place::{CellBalance, Part};
+use crate::variator::law::arguments::{CellBalance, StateComponent};
 use crate::variator::rings::ring::{EulerianRing, RingForces};
 use num_traits::Zero;
 use std::marker::PhantomData;
@@ -140,8 +140,8 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
 
     /// Adds the derivatives of the balance of the content. The fluxes do not depend on the pulleys.
     fn add_flux_derivatives(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
-        if belt.law.is_chain() {
-            for i in belt.cells_at.iter().flat_map(CellUnknowns::each) {
+        if belt.law.is_pull_chain() {
+            for i in belt.cells_at.iter().flat_map(CellUnknowns::to_array) {
                 out.add(i, i, alpha + RELAXATION_RATE);
             }
             return;
@@ -205,7 +205,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
 
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
         let mut places = out.iter_mut();
-        let record = |at: &AtStation<'_, Lanes, D>| *places.next().expect("a place for each station") = at.sample();
+        let record = |at: &AtStation<'_, Lanes, D>| *places.next().expect("a sample for each station") = at.sample();
         evaluate::<K, D, C>(acting, (&self.kind, &self.packs), view, record, |_, _, _| ());
     }
 
@@ -285,7 +285,7 @@ fn evaluate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     let mut unknowns = [[Lanes::zero(); MOST]; 3];
     for pack in packs {
         pack.gather::<K>(view, &mut unknowns);
-        let unknown = |part: Part, k: usize| unknowns[part as usize][k];
+        let unknown = |component: StateComponent, k: usize| unknowns[component as usize][k];
         let (b, ring) =
             pack_balance::<_, K, D, C, _>(acting, (kind, pack), &frame, unknown, &mut observe, |ring, _| {
                 ring.forces()

@@ -1,8 +1,8 @@
 //! The balance of the contents: transport quantities of every cell, and the fluxes through the left faces.
 
-use crate::chain::{self, Transport};
 use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::View;
+use crate::stack::{self, Transport};
 use crate::variator::belt::{Belt, CellUnknowns};
 
 /// Rate at which the unknowns of the elements of a chain vanish, 1/s.
@@ -29,7 +29,7 @@ impl Transports {
 
     /// Records the quantities of a cell.
     pub fn set(&mut self, cell: usize, transport: &Transport<f64>) {
-        for (to, value) in self.quantities.each_mut().into_iter().zip(transport.each()) {
+        for (to, value) in self.quantities.as_mut_array().into_iter().zip(transport.as_array()) {
             to[1 + cell] = *value;
         }
     }
@@ -38,7 +38,7 @@ impl Transports {
     /// must be recorded in their order.
     #[inline(always)]
     pub fn set_pack(&mut self, first: usize, transport: &Transport<Lanes>) {
-        for (to, value) in self.quantities.each_mut().into_iter().zip(transport.each()) {
+        for (to, value) in self.quantities.as_mut_array().into_iter().zip(transport.as_array()) {
             value.write(&mut to[1 + first..]);
         }
     }
@@ -46,16 +46,16 @@ impl Transports {
     /// Copies the last cell to the entry before the first.
     fn close(&mut self) {
         let last = self.cells;
-        for quantity in self.quantities.each_mut() {
+        for quantity in self.quantities.as_mut_array() {
             quantity[0] = quantity[last];
         }
     }
 
     /// The quantities on both sides of the left faces of the cells from `first` on; requires [`Self::close`].
     #[inline(always)]
-    fn beside(&self, first: usize) -> [Transport<Lanes>; 2] {
+    fn neighbours(&self, first: usize) -> [Transport<Lanes>; 2] {
         [first, first + 1].map(|start| {
-            let [flow, density] = self.quantities.each().map(|of| Lanes::read(&of[start..]));
+            let [flow, density] = self.quantities.as_array().map(|of| Lanes::read(&of[start..]));
             Transport { flow, density }
         })
     }
@@ -63,8 +63,8 @@ impl Transports {
     /// Adds the balance of the contents to `out`: fluxes through the left faces. Nothing depends on speeds and contents of the elements
     /// of a chain: they vanish.
     pub fn add_fluxes(&mut self, belt: &Belt, view: View<'_>, out: &mut [f64]) {
-        if belt.law.is_chain() {
-            for i in belt.cells_at.iter().flat_map(CellUnknowns::each) {
+        if belt.law.is_pull_chain() {
+            for i in belt.cells_at.iter().flat_map(CellUnknowns::to_array) {
                 out[i] += view.y_dot[i] + RELAXATION_RATE * view.y[i];
             }
             return;
@@ -72,8 +72,8 @@ impl Transports {
         self.close();
         let mut from = belt.cells_at[self.cells - 1].content;
         for (pack, at) in belt.cells_at.chunks(LANES).enumerate() {
-            let [before, after] = self.beside(LANES * pack);
-            for (at, flux) in at.iter().zip(chain::flux(&before, &after).to_array()) {
+            let [before, after] = self.neighbours(LANES * pack);
+            for (at, flux) in at.iter().zip(stack::flux(&before, &after).to_array()) {
                 let into = at.content;
                 out[into] += view.y_dot[into] - flux;
                 out[from] += flux;
@@ -87,12 +87,12 @@ impl Transports {
         self.close();
         let (transports, cells) = (&*self, self.cells);
         (0..cells).step_by(LANES).flat_map(move |first| {
-            let [before, after] = transports.beside(first);
+            let [before, after] = transports.neighbours(first);
             let seeded = |side: usize, of: Transport<Lanes>| Transport {
                 flow: Tangent::<4>::seed(of.flow, 2 * side, 1.0),
                 density: Tangent::seed(of.density, 2 * side + 1, 1.0),
             };
-            let by = chain::flux(&seeded(0, before), &seeded(1, after)).eps;
+            let by = stack::flux(&seeded(0, before), &seeded(1, after)).eps;
             (first..cells.min(first + LANES)).map(move |cell| {
                 let cells = [(cell + cells - 1) % cells, cell];
                 Face {

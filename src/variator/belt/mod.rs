@@ -8,7 +8,7 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{COORDINATES, Jet, Path, ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::solver::View;
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::law::place::{CellLaw, SheavePlane};
+use crate::variator::law::arguments::{CellLaw, SheavePlane};
 use crate::variator::mesh::belt_mesh::BeltMesh;
 use crate::variator::mesh::layout::Layout;
 use crate::variator::settings::parameters::Parameters;
@@ -51,7 +51,7 @@ pub struct CellUnknowns {
 impl CellUnknowns {
     /// Both indices.
     #[must_use]
-    pub fn each(&self) -> [usize; 2] {
+    pub fn to_array(&self) -> [usize; 2] {
         [self.speed, self.content]
     }
 }
@@ -73,11 +73,11 @@ impl Belt {
         Self {
             ring,
             law: CellLaw {
-                chain: parameters.belt.clone(),
+                stack: parameters.belt.clone(),
                 ring: parameters.ring.clone(),
                 layers: parameters.layers,
-                joints: parameters.is_chain().then_some(parameters.joints),
-                saddle_mass: if parameters.is_chain() {
+                joints: parameters.is_pull_chain().then_some(parameters.joints),
+                saddle_mass: if parameters.is_pull_chain() {
                     0.0
                 } else {
                     parameters.ring.mass_per_length
@@ -146,7 +146,7 @@ impl Belt {
         } else {
             self.curve.length()
         };
-        segment * element.share
+        segment * element.length
     }
 
     /// Segment of the reference curve and fraction there of a place at a fraction of the segment of an element.

@@ -2,7 +2,7 @@
 
 use crate::pulley::{PerPulley, Pulley};
 
-pub use crate::variator::law::place::PulleyLoad;
+pub use crate::variator::law::arguments::PulleyLoad;
 
 /// Derivatives of the resultants of the contact forces on the belt with respect to every unknown, for the drag of the
 /// shafts. The resultants are not rows of the matrix.

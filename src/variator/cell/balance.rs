@@ -1,4 +1,4 @@
-//! One cell of the belt: the virtual-power statement of ring, chain and contact.
+//! One cell of the belt: the virtual-power statement of ring, stack and contact.
 //!
 //! δP = ∫ [ring inertia·δv + δV_elastic] + ∫ m_e νλ a_e·δv_p − Q·δ(lengthening) − ∫ 2λ (contact force)·δ(its own point)
 //!    − ∫ f_r δ(sliding of ring on elements) − ∫ f_l δ(ring along itself) + ∫ f_s δV = 0.
@@ -6,19 +6,19 @@
 //! Each force is multiplied by the velocity Jacobian of its own point: tangential flank forces at the pitch line (v_p),
 //! radial ones at the ring centre line (v_e), ring friction at the difference of ring and element velocity there, drag
 //! of the ring's layers at the ring alone, drag of elements that start to turn at V alone, the push force at the
-//! shortening of the stack. Power between ring, chain and
+//! shortening of the stack. Power between ring, stack and
 //! pulleys and moments on the arcs are thus balanced.
 //!
 //! A pull chain has neither stack nor ring friction. Its pins move with the ring, which stands for the whole chain: forces along
 //! the belt act on the ring.
 
-use crate::chain::Transport;
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
+use crate::stack::Transport;
 use crate::variator::cell::sample::AtStation;
-use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, StationState, chain_at_face};
-use crate::variator::law::place::{CellBalance, PulleyLoad};
-use crate::variator::rings::ring::{Action, CellRing};
+use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, StationState, stack_at_face};
+use crate::variator::law::arguments::{CellBalance, PulleyLoad};
+use crate::variator::rings::ring::{CellRing, StationLoad};
 
 /// The balance of a cell, or of one in each lane of `T`, with this `ring`, and the state of the cell. `reference` returns the
 /// reference curve at the face (0) and at the stations (1 and up); fills the empty `points`; calls `observe` at every station.
@@ -42,7 +42,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
             resultant: [T::zero(); 2],
         },
         transport: Transport {
-            flow: chain_at_face(given, face).flow,
+            flow: stack_at_face(given, face).flow,
             density: cell.density,
         },
     };
@@ -75,10 +75,10 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
 ) {
     let StationState {
         ring: point,
-        chain,
+        stack,
         weight,
     } = station;
-    let (weight, right) = (*weight, given.place.stations[i].right);
+    let (weight, right) = (*weight, given.geometry.stations[i].right);
     let mut load = forces.own_load;
     let ring_along = load.position.dot(&point.t);
     for (normal, inward) in point.normals.iter().zip(forces.inward).take(D - 1) {
@@ -91,8 +91,8 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     load.position += point.t * along_ring;
     let mut ring_along = ring_along + dragged;
     // Conjugate of δV, per dξ.
-    let along = forces.along(point, chain);
-    if given.law.is_chain() {
+    let along = forces.along(point, stack);
+    if given.law.is_pull_chain() {
         load.position += point.t * along;
         load.drift += along * point.stretch;
         ring_along += along * point.stretch;
@@ -100,18 +100,18 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
         out.speed[0] += along * weight * (-right + 1.0);
         out.speed[1] += along * weight * right;
     }
-    let action = Action {
+    let station_load = StationLoad {
         load,
         tension: forces.tension,
         across,
         along: ring_along,
         weight,
     };
-    ring.apply(i + 1, point, &action);
+    ring.apply(i + 1, point, &station_load);
 
     // Both sheaves have the same tilt, under the mean of their moments.
-    let (flanks, approach) = (&forces.flanks.sum, &forces.approach);
-    let moment = approach.e_r * (flanks.loads.axial * 0.5 * approach.rho);
-    let force = approach.e_r * flanks.loads.radial + approach.e_t * flanks.loads.around;
+    let (flanks, kinematics) = (&forces.flanks.sum, &forces.kinematics);
+    let moment = kinematics.e_r * (flanks.loads.axial * 0.5 * kinematics.rho);
+    let force = kinematics.e_r * flanks.loads.radial + kinematics.e_t * flanks.loads.circumferential;
     out.pulley.add(&flanks.on_pulley(moment, force), weight);
 }

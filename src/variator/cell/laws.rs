@@ -8,9 +8,9 @@
 //! While the geometry has hardly changed, an update of S alone yields the current derivatives
 //! ([`Derivatives`](crate::variator::assembly::derivatives::Derivatives)).
 
-use crate::chain::push_force;
 use crate::contact::{FlankMotion, flank_force};
 use crate::scalar::{Lanes, Real, Tangent};
+use crate::stack::push_force;
 use crate::variator::cell::sample::AtStation;
 use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -19,7 +19,7 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 ///
 /// | law | forces | arguments |
 /// |---|---|---|
-/// | flank | normal, friction around, friction along the flank | penetration, closing, sliding around, sliding along |
+/// | flank | normal, circumferential friction, friction along the flank | penetration, penetration rate, circumferential sliding, sliding along |
 /// | ring | friction on the elements | T − m_r ṡ², sliding speed |
 /// | stack | push force | density, its material rate |
 pub(crate) const FORCES: usize = 3;
@@ -57,7 +57,7 @@ pub(crate) fn of_two<T: Real>([first, second]: [T; 2]) -> Arguments<T> {
 pub(crate) fn of_flank<T: Copy>(motion: &FlankMotion<T>) -> Arguments<T> {
     [
         motion.penetration,
-        motion.closing,
+        motion.penetration_rate,
         motion.tangential,
         motion.along_flank,
     ]
@@ -75,10 +75,10 @@ pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &At
     let (law, friction, forces) = (at.given.law, at.given.friction, at.forces);
     let first = at.index * D;
     for (to, motion) in to[first..][..D - 1].iter_mut().zip(&forces.flanks.motions) {
-        let [penetration, closing, tangential, along_flank] = seeded(of_flank(motion));
+        let [penetration, penetration_rate, tangential, along_flank] = seeded(of_flank(motion));
         let motion = FlankMotion {
             penetration,
-            closing,
+            penetration_rate,
             tangential,
             along_flank,
         };
@@ -88,9 +88,9 @@ pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &At
     let kappa = Tangent::constant(at.station.ring.reference.kappa);
     let [pressing, sliding] = seeded([forces.pressing, forces.sliding]);
     to[first + D - 1][0] = of_two(ring_friction(friction, pressing, kappa, sliding).eps);
-    if at.index == 0 && !law.is_chain() {
-        let push = push_force(&law.chain, seeded(at.cell.stack_arguments()));
-        to[at.given.place.stations.len() * D][0] = of_two(push.force.eps);
+    if at.index == 0 && !law.is_pull_chain() {
+        let push = push_force(&law.stack, seeded(at.cell.stack_arguments()));
+        to[at.given.geometry.stations.len() * D][0] = of_two(push.force.eps);
     }
 }
 
@@ -102,5 +102,5 @@ pub(crate) fn record_arguments<T: Real, const D: usize>(to: &mut OfLaws<Argument
         *to = of_flank(motion);
     }
     to[first + D - 1] = of_two([at.forces.pressing, at.forces.sliding]);
-    to[at.given.place.stations.len() * D] = of_two(at.cell.stack_arguments());
+    to[at.given.geometry.stations.len() * D] = of_two(at.cell.stack_arguments());
 }

@@ -1,17 +1,17 @@
 //! Values at a station for outputs, losses and energies.
 
-use crate::chain::Push;
 use crate::contact::energy_density;
 use crate::ring::ale::RingDensity;
 use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::{Lanes, Real};
+use crate::stack::Push;
 use crate::variator::cell::state::{CellInput, CellState, StationForces, StationState};
 use nalgebra::Vector2;
 
 /// Values at a station for outputs, losses and energies: of one cell, or of one in each lane of `L`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample<L = f64> {
-    /// Place ξ of the station, m.
+    /// Coordinate ξ of the station, m.
     pub xi: L,
     /// Reference curvature κ there and at the left face of the cell, 1/m: 0 on a strand.
     pub curvature: [L; 2],
@@ -58,8 +58,8 @@ pub struct Sample<L = f64> {
     /// Loss to friction between the layers of the ring, W/m.
     pub layer_loss: L,
     /// Loss to elements that start and stop turning, W/m.
-    pub spin_loss: L,
-    /// Loss to structural, chain and contact damping, W/m.
+    pub rotation_loss: L,
+    /// Loss to structural, stack and contact damping, W/m.
     pub damping_loss: L,
     /// Kinetic energy, J/m.
     pub kinetic: L,
@@ -76,7 +76,7 @@ macro_rules! for_each_figure {
     ($with:ident) => {
         $with! {
             xi, curvature[0], curvature[1], ring_curvature, weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque, resultant[0], resultant[1],
-            sliding, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, spin_loss, damping_loss,
+            sliding, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, rotation_loss, damping_loss,
             kinetic, ring_elastic, flank_elastic, outward
         }
     };
@@ -142,49 +142,50 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
         } = self;
         let StationState {
             ring: point,
-            chain,
+            stack,
             weight,
         } = self.station;
-        let (flanks, approach) = (&forces.flanks, &forces.approach);
+        let (flanks, kinematics) = (&forces.flanks, &forces.kinematics);
         let flank_energy = |k: usize| {
             let (contact, cos_beta) = (&self.given.law.contact, self.given.law.wedge[1]);
             energy_density(contact, cos_beta, flanks.motions[k].penetration, flanks.forces[k].depth)
         };
         let stack_loss = -(push.viscous * cell.lengthening * cell.inverse_length);
-        let from_axis = in_plane(&face.r) - Vector2::new(T::constant(self.given.place.axis), T::zero());
+        let from_axis = in_plane(&face.r) - Vector2::new(T::constant(self.given.geometry.axis), T::zero());
         Sample {
             xi: point.reference.xi.v,
             curvature: [point.reference.kappa, face.reference.kappa],
-            ring_curvature: chain.curvature[0],
+            ring_curvature: stack.curvature[0],
             weight: *weight,
             r: [point.r[0], point.r[1]],
-            pitch_radius: approach.rho,
-            face_radius: from_axis.dot(&from_axis).sqrt() - self.given.law.chain.pitch_offset,
-            lambda: chain.lambda,
+            pitch_radius: kinematics.rho,
+            face_radius: from_axis.dot(&from_axis).sqrt() - self.given.law.stack.pitch_offset,
+            lambda: stack.lambda,
             density: cell.density,
             push: push.force,
             tension: forces.tension,
             normal: flanks.sum.loads.normal * 0.5,
             axial: flanks.sum.on_movable,
             torque: flanks.sum.loads.torque,
-            resultant: (approach.e_r * flanks.sum.loads.radial + approach.e_t * flanks.sum.loads.around).into(),
-            sliding: approach.flank.tangential,
+            resultant: (kinematics.e_r * flanks.sum.loads.radial + kinematics.e_t * flanks.sum.loads.circumferential)
+                .into(),
+            sliding: kinematics.flank.tangential,
             offset: flanks.offset,
             lateral: if D == 2 {
                 [T::zero(); 2]
             } else {
                 [point.r[D - 1], point.slope[D - 1]]
             },
-            flow: chain.flow,
-            speed: chain.speed,
+            flow: stack.flow,
+            speed: stack.speed,
             sheave_loss: flanks.sum.loads.loss,
             ring_loss: forces.ring_friction * forces.sliding,
             layer_loss: forces.layer_drag * forces.ring_speed,
-            spin_loss: forces.spin_drag * chain.speed,
+            rotation_loss: forces.rotation_drag * stack.speed,
             damping_loss: of_ring.viscous + stack_loss + flanks.sum.loads.viscous,
             kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
             ring_elastic: of_ring.membrane + of_ring.bending,
-            flank_elastic: (flank_energy(0) + flank_energy(1)) * chain.lambda,
+            flank_elastic: (flank_energy(0) + flank_energy(1)) * stack.lambda,
             outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
         }
     }

@@ -1,14 +1,14 @@
 //! The state of a cell and of its stations, used by its balance and by the derivatives of the balance.
 
-use crate::chain::{Acceleration, ChainPoint, Push, push_force};
 use crate::contact::Friction;
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{LineLoad, RingPoint, embed, in_plane};
 use crate::scalar::Real;
-use crate::variator::law::flanks::{Approach, BothFlanks};
-use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
+use crate::stack::{Acceleration, Push, StackPoint, push_force};
+use crate::variator::law::arguments::{CellGeometry, CellLaw, CellMotion, between};
+use crate::variator::law::element_rotation::{rotation_drag, throughput};
+use crate::variator::law::flanks::{BothFlanks, FlankKinematics};
 use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
-use crate::variator::law::spin::{spin_drag, throughput};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
 use nalgebra::{SVector, Vector2};
@@ -20,24 +20,24 @@ pub struct CellInput<'a, T: Real> {
     pub law: &'a CellLaw,
     /// Friction in force.
     pub friction: &'a Friction,
-    /// Place of the cell on the belt.
-    pub place: &'a Place<'a, T>,
+    /// Geometry of the cell.
+    pub geometry: &'a CellGeometry<'a, T>,
     /// State of the cell without the ring.
     pub motion: &'a CellMotion<T>,
 }
 
-/// Ring and chain at a station, and its quadrature weight.
+/// Ring and stack at a station, and its quadrature weight.
 #[derive(Clone, Copy, Debug)]
 pub struct StationState<T: Real, const D: usize> {
     /// The ring.
     pub ring: RingPoint<T, D>,
     /// The push elements.
-    pub chain: ChainPoint<T>,
+    pub stack: StackPoint<T>,
     /// dξ, m.
     pub weight: T,
 }
 
-/// The ring at the left face of a cell, ring and chain at its stations. Their size is kilobytes, so they are written in
+/// The ring at the left face of a cell, ring and stack at its stations. Their size is kilobytes, so they are written in
 /// place.
 #[derive(Clone, Copy, Debug)]
 pub struct CellPoints<T: Real, const D: usize> {
@@ -65,19 +65,19 @@ impl<T: Real, const D: usize> CellPoints<T, D> {
 /// have that of the ring.
 #[inline(always)]
 fn element_speed<T: Real, const D: usize>(given: &CellInput<'_, T>, ring: &RingPoint<T, D>, right: T::Constant) -> T {
-    if given.law.is_chain() {
+    if given.law.is_pull_chain() {
         ring.t.dot(&ring.r_dot) + ring.w * ring.stretch
     } else {
         between(&given.motion.speed, right)
     }
 }
 
-/// The chain at the left face of a cell.
+/// The stack at the left face of a cell.
 #[inline(always)]
-pub fn chain_at_face<T: Real, const D: usize>(given: &CellInput<'_, T>, face: &RingPoint<T, D>) -> ChainPoint<T> {
+pub fn stack_at_face<T: Real, const D: usize>(given: &CellInput<'_, T>, face: &RingPoint<T, D>) -> StackPoint<T> {
     let theta_dot = given.motion.reference.theta.rate;
-    let speed = element_speed(given, face, given.place.face.right);
-    ChainPoint::new(given.law.chain.pitch_offset, face, theta_dot, speed)
+    let speed = element_speed(given, face, given.geometry.face.right);
+    StackPoint::new(given.law.stack.pitch_offset, face, theta_dot, speed)
 }
 
 /// Arguments of the laws of a cell's stack.
@@ -108,36 +108,42 @@ impl<T: Real> CellState<T> {
         reference: impl Fn(usize) -> ReferencePoint<T>,
         points: &mut CellPoints<T, D>,
     ) -> Self {
-        let CellInput { law, place, motion, .. } = *given;
-        let e = law.chain.pitch_offset;
+        let CellInput {
+            law, geometry, motion, ..
+        } = *given;
+        let e = law.stack.pitch_offset;
         let theta_dot = motion.reference.theta.rate;
-        let length = place.length.v;
-        let (mut pitch_length, mut carried, mut through, mut steepness) = (T::zero(), T::zero(), T::zero(), T::zero());
-        for at in 0..=place.stations.len() {
+        let length = geometry.length.v;
+        let (mut pitch_length, mut by_normal_motion, mut through, mut steepness) =
+            (T::zero(), T::zero(), T::zero(), T::zero());
+        for at in 0..=geometry.stations.len() {
             let point = ring.point(at, reference(at));
             let Some(i) = at.checked_sub(1) else {
                 points.face = Some(point);
                 continue;
             };
-            let station = &place.stations[i];
+            let station = &geometry.stations[i];
             let speed = element_speed(given, &point, station.right);
-            let chain = ChainPoint::new(e, &point, theta_dot, speed);
+            let stack = StackPoint::new(e, &point, theta_dot, speed);
             let weight = length * station.weight;
-            pitch_length += weight * chain.lambda;
+            pitch_length += weight * stack.lambda;
             for k in 0..D - 1 {
-                carried += weight * chain.curvature[k] * chain.normal_speed[k];
+                by_normal_motion += weight * stack.curvature[k] * stack.normal_speed[k];
             }
-            through += weight * chain.flow;
+            through += weight * stack.flow;
             steepness += weight * point.strain_gradient;
             points.stations[i] = Some(StationState {
                 ring: point,
-                chain,
+                stack,
                 weight,
             });
         }
         let inverse_pitch_length = pitch_length.recip();
         let difference = motion.speed[1] - motion.speed[0];
-        let cell_length: T = place.stations.iter().fold(T::zero(), |sum, s| sum + length * s.weight);
+        let cell_length: T = geometry
+            .stations
+            .iter()
+            .fold(T::zero(), |sum, s| sum + length * s.weight);
         let inverse_length = cell_length.recip();
         // The gradient of the strain is its mean over the cell (see `ring/ale.rs`).
         let strain_gradient = steepness * inverse_length;
@@ -145,7 +151,11 @@ impl<T: Real> CellState<T> {
             station.ring.strain_gradient = strain_gradient;
         }
         // The pins of a chain are on it as they were mounted: one per dξ.
-        let content = if law.is_chain() { cell_length } else { motion.content };
+        let content = if law.is_pull_chain() {
+            cell_length
+        } else {
+            motion.content
+        };
         let density = content * inverse_pitch_length;
         let flow = through * inverse_length;
         Self {
@@ -153,7 +163,7 @@ impl<T: Real> CellState<T> {
             inverse_length,
             density,
             difference,
-            lengthening: difference - carried,
+            lengthening: difference - by_normal_motion,
             flow,
             throughput: throughput(density, flow),
         }
@@ -169,10 +179,10 @@ impl<T: Real> CellState<T> {
     /// Push force in the cell.
     #[inline(always)]
     pub fn push(&self, law: &CellLaw) -> Push<T> {
-        if law.is_chain() {
+        if law.is_pull_chain() {
             return Push::none();
         }
-        push_force(&law.chain, self.stack_arguments())
+        push_force(&law.stack, self.stack_arguments())
     }
 
     /// ∂V/∂ξ, 1/s.
@@ -194,7 +204,7 @@ pub struct StationForces<T: Real, const D: usize> {
     /// Velocities at the pitch line and at the ring centre line, m/s.
     pub v_p: SVector<T, D>,
     pub v_e: SVector<T, D>,
-    pub approach: Approach<T>,
+    pub kinematics: FlankKinematics<T>,
     pub flanks: BothFlanks<T>,
     /// Forces of the flanks at the pitch line (tangential) and at the ring centre line, N/m.
     pub at_pitch_line: Vector2<T>,
@@ -209,7 +219,7 @@ pub struct StationForces<T: Real, const D: usize> {
     pub ring_speed: T,
     pub layer_drag: T,
     /// Drag of elements that start and stop turning, N/m.
-    pub spin_drag: T,
+    pub rotation_drag: T,
     /// Conjugate of v_e·t̂: flanks and ring friction, N/m.
     pub tangential: T,
 }
@@ -227,29 +237,29 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         let CellInput {
             law,
             friction,
-            place,
+            geometry,
             motion,
         } = given;
-        let StationState { ring: point, chain, .. } = station;
+        let StationState { ring: point, stack, .. } = station;
         let mut own_load = LineLoad::zero();
         let tension = ring.own_load(i + 1, point, &mut own_load);
-        let speed_dot = between(&motion.speed_dot, place.stations[i].right);
-        let mass = cell.density * chain.lambda * law.chain.mass_per_length;
-        let acceleration = chain.acceleration(point, speed_dot, cell.speed_gradient());
+        let speed_dot = between(&motion.speed_dot, geometry.stations[i].right);
+        let mass = cell.density * stack.lambda * law.stack.mass_per_length;
+        let acceleration = stack.acceleration(point, speed_dot, cell.speed_gradient());
 
-        let v_p = chain.velocity(point, chain.speed);
-        let v_e = chain.velocity(point, chain.ring_line_speed());
+        let v_p = stack.velocity(point, stack.speed);
+        let v_e = stack.velocity(point, stack.ring_line_speed());
         let at = [&point.r, &v_e, &v_p].map(in_plane);
-        let approach = Approach::new(law, place.axis, &motion.pulley, at);
-        let flanks = approach.both_flanks(
+        let kinematics = FlankKinematics::new(law, geometry.axis, &motion.pulley, at);
+        let flanks = kinematics.both_flanks(
             (law, friction),
-            place.plane,
+            geometry.plane,
             &motion.pulley,
             (point, &v_e),
-            chain.lambda,
+            stack.lambda,
         );
-        let at_pitch_line = approach.e_t * -flanks.sum.loads.around;
-        let mut at_ring_line: SVector<T, D> = embed(approach.e_r * -flanks.sum.loads.radial);
+        let at_pitch_line = kinematics.e_t * -flanks.sum.loads.circumferential;
+        let mut at_ring_line: SVector<T, D> = embed(kinematics.e_r * -flanks.sum.loads.radial);
         if D > 2 {
             at_ring_line[D - 1] += flanks.sum.lateral;
         }
@@ -257,14 +267,14 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
             let normal = &point.normals[k];
             *inward = mass * acceleration.across[k]
-                + push * chain.curvature[k]
+                + push * stack.curvature[k]
                 + at_pitch_line.dot(&in_plane(normal))
                 + at_ring_line.dot(normal);
         }
 
         let pressing = pressing(law.saddle_mass, tension, motion.reference.s_dot);
         let ring_speed = point.t.dot(&point.r_dot) + point.w * point.stretch;
-        let sliding = ring_speed - chain.ring_line_speed();
+        let sliding = ring_speed - stack.ring_line_speed();
         let kappa = point.reference.kappa;
         let ring_friction = ring_friction(friction, pressing, kappa, sliding);
         Self {
@@ -274,7 +284,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             acceleration,
             v_p,
             v_e,
-            approach,
+            kinematics,
             flanks,
             at_pitch_line,
             at_ring_line,
@@ -283,8 +293,8 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             sliding,
             ring_friction,
             ring_speed,
-            layer_drag: layer_drag(place.layer_drag, pressing, kappa, ring_speed),
-            spin_drag: spin_drag(place.spin, kappa, [cell.throughput, chain.speed]),
+            layer_drag: layer_drag(geometry.layer_drag, pressing, kappa, ring_speed),
+            rotation_drag: rotation_drag(geometry.rotation_drag, kappa, [cell.throughput, stack.speed]),
             tangential: at_ring_line.dot(&point.t) - ring_friction,
         }
     }
@@ -293,10 +303,10 @@ impl<T: Real, const D: usize> StationForces<T, D> {
 impl<T: Real, const D: usize> StationForces<T, D> {
     /// Inertia less forces along the belt, conjugate to V, N/m.
     #[inline(always)]
-    pub fn along(&self, point: &RingPoint<T, D>, chain: &ChainPoint<T>) -> T {
+    pub fn along(&self, point: &RingPoint<T, D>, stack: &StackPoint<T>) -> T {
         self.mass * self.acceleration.along
             + self.at_pitch_line.dot(&in_plane(&point.t))
-            + self.tangential * chain.lead
-            + self.spin_drag
+            + self.tangential * stack.lead
+            + self.rotation_drag
     }
 }

@@ -1,22 +1,22 @@
-//! Analytic derivatives at a station of a cell: variations of ring and chain, and of the resulting loads.
+//! Analytic derivatives at a station of a cell: variations of ring and stack, and of the resulting loads.
 
-use crate::chain::{ChainPoint, ChainVariation};
 use crate::contact::{FlankForce, FlankMotion};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
+use crate::stack::{StackPoint, StackVariation};
 use crate::variator::cell::laws::{Arguments, FORCES, Forces, Tangents, of_flank, of_two};
 use crate::variator::cell::state::{CellInput, CellState, StationForces, StationState};
-use crate::variator::law::flanks::{Approach, FlankLoads, FlankSum};
-use crate::variator::law::place::{CellBalance, CellLaw, PulleyMotion};
+use crate::variator::law::arguments::{CellBalance, CellLaw, PulleyMotion};
+use crate::variator::law::element_rotation::rotation_drag;
+use crate::variator::law::flanks::{FlankKinematics, FlankLoads, FlankSum};
 use crate::variator::law::ring_friction::layer_drag;
-use crate::variator::law::spin::spin_drag;
 use nalgebra::{SVector, Vector2};
 
 /// A station and the coefficients of its variations.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LinearisedStation<'a, const D: usize> {
     pub ring: &'a RingPoint<Lanes, D>,
-    pub chain: &'a ChainPoint<Lanes>,
+    pub stack: &'a StackPoint<Lanes>,
     /// Quadrature weight dξ, m.
     pub weight: Lanes,
     /// Weight of the right face in linear interpolation between the faces.
@@ -31,14 +31,14 @@ pub(crate) struct LinearisedStation<'a, const D: usize> {
     /// Derivatives of the drag of the ring's layers with respect to T − m_r ṡ² and to the ring's speed along itself.
     d_drag: [Lanes; 2],
     /// Derivatives of the drag of elements that start and stop turning with respect to the throughput and V.
-    d_spin: [Lanes; 2],
+    d_rotation_drag: [Lanes; 2],
 }
 
 /// Variations at a station from which those of its loads on ring, elements and pulley are computed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StationVariation<'a, const D: usize> {
     pub by: &'a RingVariation<Lanes, D>,
-    pub chain: &'a ChainVariation<Lanes>,
+    pub stack: &'a StackVariation<Lanes>,
     pub flank: &'a FlankVariation,
     /// Variation of T, N.
     pub tension: Lanes,
@@ -51,7 +51,7 @@ pub(crate) struct StationVariation<'a, const D: usize> {
 
 /// Variation of a cell's stack; density ν, push force Q and gradient of V with their variations.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StackVariation {
+pub(crate) struct CellVariation {
     /// Variation of the flow through the left face, m/s.
     pub flow_in: Lanes,
     /// Variation of the arguments of the push force.
@@ -75,68 +75,70 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         (forces, tangents): (&'a StationForces<Lanes, D>, &'a [Tangents]),
         factors: [f64; 2],
     ) -> Self {
-        let StationState { ring, chain, weight } = station;
-        let StationForces { v_e, v_p, approach, .. } = forces;
+        let StationState { ring, stack, weight } = station;
+        let StationForces {
+            v_e, v_p, kinematics, ..
+        } = forces;
         let (seed, plain) = (Tangent::<2>::seed, Tangent::<2>::constant);
         let kappa = plain(ring.reference.kappa);
         let [pressing, ring_speed] = [seed(forces.pressing, 0, 1.0), seed(forces.ring_speed, 1, 1.0)];
-        let throughput = [seed(cell.throughput, 0, 1.0), seed(chain.speed, 1, 1.0)];
+        let throughput = [seed(cell.throughput, 0, 1.0), seed(stack.speed, 1, 1.0)];
         Self {
-            d_drag: layer_drag(plain(given.place.layer_drag), pressing, kappa, ring_speed).eps,
-            d_spin: spin_drag(plain(given.place.spin), kappa, throughput).eps,
+            d_drag: layer_drag(plain(given.geometry.layer_drag), pressing, kappa, ring_speed).eps,
+            d_rotation_drag: rotation_drag(plain(given.geometry.rotation_drag), kappa, throughput).eps,
             weight: *weight,
-            right: given.place.stations[i].right,
-            crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
+            right: given.geometry.stations[i].right,
+            crosswise: [in_plane(v_e).dot(&kinematics.e_t), in_plane(v_p).dot(&kinematics.e_r)],
             by_pulley: FlankVariation::of_pulley(given, [&ring.r, v_e, v_p].map(in_plane), factors),
             tangents,
             forces,
             ring,
-            chain,
+            stack,
         }
     }
 
-    /// Variation of inertia and [drag](spin_drag) of the elements along the belt, and of inertia and push force along the normals,
+    /// Variation of inertia and [drag](rotation_drag) of the elements along the belt, and of inertia and push force along the normals,
     /// N/m; `alpha` is the factor of ẏ.
     #[inline(always)]
     pub fn vary_inertia(
         &self,
         law: &CellLaw,
         alpha: f64,
-        (by, d_chain): (&RingVariation<Lanes, D>, &ChainVariation<Lanes>),
-        stack: &StackVariation,
+        (by, d_stack): (&RingVariation<Lanes, D>, &StackVariation<Lanes>),
+        cell: &CellVariation,
     ) -> (Lanes, [Lanes; 2]) {
-        let chain = self.chain;
-        let [density, d_density] = stack.density;
-        let [push, d_push] = stack.push;
-        let mass = (d_density * chain.lambda + density * by.stretch) * law.chain.mass_per_length;
-        let (base, speed_dot) = (&self.forces.acceleration, d_chain.speed * alpha);
-        let (a_t, a_n) = chain.vary_acceleration(self.ring, base, (by, d_chain), speed_dot, stack.gradient);
+        let stack = self.stack;
+        let [density, d_density] = cell.density;
+        let [push, d_push] = cell.push;
+        let mass = (d_density * stack.lambda + density * by.stretch) * law.stack.mass_per_length;
+        let (base, speed_dot) = (&self.forces.acceleration, d_stack.speed * alpha);
+        let (a_t, a_n) = stack.vary_acceleration(self.ring, base, (by, d_stack), speed_dot, cell.gradient);
         let mut inward = [Lanes::from(0.0); 2];
         for k in 0..D - 1 {
             inward[k] = mass * base.across[k]
                 + self.forces.mass * a_n[k]
-                + d_push * chain.curvature[k]
-                + push * d_chain.curvature[k];
+                + d_push * stack.curvature[k]
+                + push * d_stack.curvature[k];
         }
-        let spin = along(&self.d_spin, &[stack.throughput, d_chain.speed]);
-        (mass * base.along + self.forces.mass * a_t + spin, inward)
+        let rotation_drag = along(&self.d_rotation_drag, &[cell.throughput, d_stack.speed]);
+        (mass * base.along + self.forces.mass * a_t + rotation_drag, inward)
     }
 
-    /// Variation of v_e and v_p where ring (`MOVES`) and chain vary.
+    /// Variation of v_e and v_p where ring (`MOVES`) and stack vary.
     #[inline(always)]
     fn vary_velocities<const MOVES: bool>(
         &self,
         by: &RingVariation<Lanes, D>,
-        chain: &ChainVariation<Lanes>,
+        stack: &StackVariation<Lanes>,
     ) -> [SVector<Lanes, D>; 2] {
-        let (ring, base) = (self.ring, self.chain);
-        let mut v_e = ring.t * (chain.speed * base.lead);
-        let mut v_p = ring.t * chain.speed;
+        let (ring, base) = (self.ring, self.stack);
+        let mut v_e = ring.t * (stack.speed * base.lead);
+        let mut v_p = ring.t * stack.speed;
         if MOVES {
-            v_e += ring.t * (base.speed * chain.lead) + by.t * base.ring_line_speed();
+            v_e += ring.t * (base.speed * stack.lead) + by.t * base.ring_line_speed();
             v_p += by.t * base.speed;
             for k in 0..D - 1 {
-                let across = by.normals[k] * base.normal_speed[k] + ring.normals[k] * chain.normal_speed[k];
+                let across = by.normals[k] * base.normal_speed[k] + ring.normals[k] * stack.normal_speed[k];
                 v_e += across;
                 v_p += across;
             }
@@ -144,16 +146,16 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         [v_e, v_p]
     }
 
-    /// Variation of the place on the pulley and of the flanks' motion, where ring (`MOVES`) and chain vary.
+    /// Variation of the place on the pulley and of the flanks' motion, where ring (`MOVES`) and stack vary.
     #[inline(always)]
-    pub fn vary_approach<const MOVES: bool>(
+    pub fn vary_kinematics<const MOVES: bool>(
         &self,
         given: &CellInput<'_, Lanes>,
         by: &RingVariation<Lanes, D>,
-        chain: &ChainVariation<Lanes>,
+        stack: &StackVariation<Lanes>,
     ) -> FlankVariation {
         let [sin_beta, cos_beta, tan_beta] = given.law.wedge;
-        let (at, pulley) = (&self.forces.approach, &given.motion.pulley);
+        let (at, pulley) = (&self.forces.kinematics, &given.motion.pulley);
         let mut flank = FlankVariation {
             lambda: by.stretch,
             ..FlankVariation::default()
@@ -165,12 +167,12 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             flank.opening = at.opening_slope * flank.turn;
             flank.opening_slope = -(at.opening * flank.turn);
         }
-        let [v_e, v_p] = self.vary_velocities::<MOVES>(by, chain);
+        let [v_e, v_p] = self.vary_velocities::<MOVES>(by, stack);
         let v_r = at.e_r.dot(&in_plane(&v_e)) + flank.turn * self.crosswise[0];
-        let v_around = at.e_t.dot(&in_plane(&v_p)) - flank.turn * self.crosswise[1];
+        let v_circumferential = at.e_t.dot(&in_plane(&v_p)) - flank.turn * self.crosswise[1];
         let motion = &mut flank.motion;
-        motion.closing = -((at.opening + tan_beta) * v_r + at.opening_slope * v_around);
-        motion.tangential = v_around;
+        motion.penetration_rate = -((at.opening + tan_beta) * v_r + at.opening_slope * v_circumferential);
+        motion.tangential = v_circumferential;
         motion.along_flank = v_r * cos_beta;
         if MOVES {
             let [rate_x, rate_y] = pulley.psi_dot;
@@ -178,12 +180,12 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
                 + (rate_x * at.e_r.x - rate_y * at.e_r.y) * flank.rho;
             let sliding = flank.rho * at.opening_slope + at.rho * flank.opening_slope;
             motion.penetration = -(flank.rho * tan_beta + flank.opening * at.rho + at.opening * flank.rho);
-            motion.closing -= rate + flank.opening * at.v_r + flank.opening_slope * at.v_around;
+            motion.penetration_rate -= rate + flank.opening * at.v_r + flank.opening_slope * at.v_circumferential;
             motion.tangential -= pulley.omega * flank.rho;
             motion.along_flank -= (rate + pulley.omega * sliding) * sin_beta;
         }
         if D == 3 {
-            let [side, _] = given.place.plane;
+            let [side, _] = given.geometry.plane;
             flank.offset = [by.r[D - 1] * side, v_e[D - 1] * side];
         }
         flank
@@ -195,17 +197,17 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     pub fn vary_arguments<const MOVES: bool>(
         &self,
         given: &CellInput<'_, Lanes>,
-        (by, d_chain): (&RingVariation<Lanes, D>, &ChainVariation<Lanes>),
+        (by, d_stack): (&RingVariation<Lanes, D>, &StackVariation<Lanes>),
         flank: &FlankVariation,
         tension: Lanes,
         laws: &mut [Arguments<Lanes>],
     ) -> Lanes {
-        let chain = self.chain;
+        let stack = self.stack;
         let mut speed = Lanes::from(0.0);
-        let mut sliding = -(d_chain.speed * chain.lead);
+        let mut sliding = -(d_stack.speed * stack.lead);
         if MOVES {
-            speed = d_chain.along + self.ring.w * by.stretch;
-            sliding += speed - chain.speed * d_chain.lead;
+            speed = d_stack.along + self.ring.w * by.stretch;
+            sliding += speed - stack.speed * d_stack.lead;
         }
         if D == 2 {
             laws[0] = of_flank(&flank.motion);
@@ -240,16 +242,16 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         load: &mut LineLoad<Lanes, D>,
         out: &mut CellBalance<Lanes>,
     ) -> [Lanes; 2] {
-        let (ring, chain, at) = (self.ring, self.chain, &self.forces.approach);
+        let (ring, stack, at) = (self.ring, self.stack, &self.forces.kinematics);
         let StationVariation { by, flank, .. } = *change;
         let vary = |k: usize| {
             let force = &self.forces.flanks.forces[k];
-            vary_loads(given.law, (at, chain.lambda, force), flank, forces[k])
+            vary_loads(given.law, (at, stack.lambda, force), flank, forces[k])
         };
         let flanks = if D == 2 {
-            FlankSum::alike(&vary(0))
+            FlankSum::symmetric(&vary(0))
         } else {
-            FlankSum::of(&vary(0), &vary(1), given.place.plane[0])
+            FlankSum::new(&vary(0), &vary(1), given.geometry.plane[0])
         };
         let (base, loads) = (&self.forces.flanks.sum.loads, &flanks.loads);
         let mut at_ring_line: SVector<Lanes, D> = zero_vector();
@@ -257,11 +259,11 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             at_ring_line[D - 1] += flanks.lateral;
         }
         let mut push_out = at.e_r * loads.radial;
-        let mut drag = at.e_t * loads.around;
+        let mut drag = at.e_t * loads.circumferential;
         let mut moment = at.e_r * (loads.axial * 0.5 * at.rho);
         if MOVES {
             push_out += at.e_t * (flank.turn * base.radial);
-            drag -= at.e_r * (flank.turn * base.around);
+            drag -= at.e_r * (flank.turn * base.circumferential);
             let axial = base.axial * 0.5;
             moment += at.e_r * (axial * flank.rho) + at.e_t * (axial * at.rho * flank.turn);
         }
@@ -270,10 +272,10 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         at_ring_line -= embed(push_out);
         let mut along = change.along - drag.dot(&in_plane(&ring.t));
         let mut tangential = at_ring_line.dot(&ring.t);
-        let base_drag = at.e_t * base.around;
+        let base_drag = at.e_t * base.circumferential;
         if MOVES {
             tangential += self.forces.at_ring_line.dot(&by.t);
-            along += self.forces.tangential * change.chain.lead - base_drag.dot(&in_plane(&by.t));
+            along += self.forces.tangential * change.stack.lead - base_drag.dot(&in_plane(&by.t));
         }
         for k in 0..D - 1 {
             let normal = &ring.normals[k];
@@ -293,7 +295,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
 #[inline(always)]
 fn vary_loads(
     law: &CellLaw,
-    (at, lambda, force): (&Approach<Lanes>, Lanes, &FlankForce<Lanes>),
+    (at, lambda, force): (&FlankKinematics<Lanes>, Lanes, &FlankForce<Lanes>),
     by: &FlankVariation,
     [normal, tangential, along_flank]: Forces,
 ) -> FlankLoads<Lanes> {
@@ -305,18 +307,18 @@ fn vary_loads(
     let (axial_normal, d_axial_normal) = (force.normal * lambda * cos_beta, d_normal * cos_beta);
     let axial_friction = force.along_flank * lambda * sin_beta;
     let d_axial_friction = d_along * sin_beta;
-    let around = force.tangential * lambda + axial_friction * at.opening_slope;
-    let d_around = d_tangential + d_axial_friction * at.opening_slope + axial_friction * by.opening_slope;
+    let circumferential = force.tangential * lambda + axial_friction * at.opening_slope;
+    let d_circumferential = d_tangential + d_axial_friction * at.opening_slope + axial_friction * by.opening_slope;
     FlankLoads {
         radial: d_axial_normal * (at.opening + tan_beta) + axial_normal * by.opening + d_along * cos_beta,
-        around: d_axial_normal * at.opening_slope + axial_normal * by.opening_slope + d_tangential,
-        torque: -(d_around * at.rho + around * by.rho),
+        circumferential: d_axial_normal * at.opening_slope + axial_normal * by.opening_slope + d_tangential,
+        torque: -(d_circumferential * at.rho + circumferential * by.rho),
         axial: d_axial_normal - d_axial_friction,
         ..FlankLoads::default()
     }
 }
 
-/// Variation of an [`Approach`] and of λ: the place of a point of the belt on its pulley and the motion of its flanks.
+/// Variation of an [`FlankKinematics`] and of λ: the place of a point of the belt on its pulley and the motion of its flanks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FlankVariation {
     /// Motion of a flank in the middle of the pulley.
@@ -352,11 +354,11 @@ impl FlankVariation {
             omega: seed(omega, 3, 1.0),
         };
         let at = at.map(|vector| vector.map(Tangent::constant));
-        let approach = Approach::new(given.law, given.place.axis, &pulley, at);
+        let kinematics = FlankKinematics::new(given.law, given.geometry.axis, &pulley, at);
         std::array::from_fn(|k| Self {
-            motion: approach.flank.map(|of| of.eps[k]),
-            opening: approach.opening.eps[k],
-            opening_slope: approach.opening_slope.eps[k],
+            motion: kinematics.flank.map(|of| of.eps[k]),
+            opening: kinematics.opening.eps[k],
+            opening_slope: kinematics.opening_slope.eps[k],
             offset: [pulley.z, pulley.z_dot].map(|of| of.eps[k] * 0.5),
             ..Self::default()
         })

@@ -7,17 +7,17 @@
 //! time and agrees to rounding: a test of `variator` compares the two. The drift and the coordinates of the curve change
 //! every quantity, so they use forward differentiation.
 
-use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
+use crate::stack::{StackPoint, StackVariation, Transport};
 use crate::variator::cell::degrees::DegreesOfFreedom;
 use crate::variator::cell::laws::{Arguments, FORCES, Forces, OfLaws, Tangents, of_two};
-use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, chain_at_face};
-use crate::variator::cell::station_variation::{FlankVariation, LinearisedStation, StackVariation, StationVariation};
-use crate::variator::law::place::{CellBalance, between, share};
-use crate::variator::law::spin::throughput;
+use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, stack_at_face};
+use crate::variator::cell::station_variation::{CellVariation, FlankVariation, LinearisedStation, StationVariation};
+use crate::variator::law::arguments::{CellBalance, between, face_weight};
+use crate::variator::law::element_rotation::throughput;
 use crate::variator::mesh::belt_mesh::STATIONS;
-use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
+use crate::variator::rings::ring::{RingForces, StationLoad, VaryingRing};
 use num_traits::Zero;
 
 /// A pack of cells and the coefficients of the variations of its balance.
@@ -26,7 +26,7 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     given: CellInput<'a, Lanes>,
     ring: &'a R,
     cell: CellState<Lanes>,
-    face: (&'a RingPoint<Lanes, D>, ChainPoint<Lanes>),
+    face: (&'a RingPoint<Lanes, D>, StackPoint<Lanes>),
     stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
     /// Derivatives of the throughput of elements with respect to density and flow.
@@ -53,7 +53,7 @@ pub(crate) enum Direction {
 impl Direction {
     /// That of degree of freedom `k`, which is neither the drift nor one of the curve.
     #[inline(always)]
-    pub fn of<K: DegreesOfFreedom>(k: usize) -> Self {
+    pub fn from_index<K: DegreesOfFreedom>(k: usize) -> Self {
         let degrees = K::DEGREES;
         match k {
             _ if k >= degrees.sheave => Self::Pulley(k - degrees.sheave),
@@ -68,11 +68,11 @@ impl Direction {
 /// Forces at the stations of a cell.
 type ForcesOfCell<const D: usize> = [Option<StationForces<Lanes, D>>; STATIONS];
 
-/// Variations of ring and chain at the stations. Their size is kilobytes, so they are written in place.
-type VariedStations<const D: usize> = [Option<(RingVariation<Lanes, D>, ChainVariation<Lanes>)>; STATIONS];
+/// Variations of ring and stack at the stations. Their size is kilobytes, so they are written in place.
+type VariedStations<const D: usize> = [Option<(RingVariation<Lanes, D>, StackVariation<Lanes>)>; STATIONS];
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Linearises evaluated cells with this `ring`: ring and chain at their `points`, `forces` at the stations, `tangents` of the
+    /// Linearises evaluated cells with this `ring`: ring and stack at their `points`, `forces` at the stations, `tangents` of the
     /// laws. `factors` are those of acceleration and position.
     #[inline(always)]
     pub fn new(
@@ -92,10 +92,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
         let seed = Tangent::<2>::seed;
         Self {
-            face: (face, chain_at_face(&given, face)),
+            face: (face, stack_at_face(&given, face)),
             push: cell.push(given.law).force,
             d_throughput: throughput(seed(cell.density, 0, 1.0), seed(cell.flow, 1, 1.0)).eps,
-            d_push: &tangents[given.place.stations.len() * D][0],
+            d_push: &tangents[given.geometry.stations.len() * D][0],
             given,
             ring,
             cell,
@@ -118,33 +118,33 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             _ => None,
         };
         let mut varied = [None; STATIONS];
-        let stack = self.vary_cell::<MOVES>(direction, &mut varied);
-        arguments[self.given.place.stations.len() * D] = stack.arguments;
+        let varied_cell = self.vary_cell::<MOVES>(direction, &mut varied);
+        arguments[self.given.geometry.stations.len() * D] = varied_cell.arguments;
         let mut out = CellBalance {
-            speed: [stack.push[1], -stack.push[1]],
+            speed: [varied_cell.push[1], -varied_cell.push[1]],
             transport: Transport {
-                flow: stack.flow_in,
-                density: stack.density[1],
+                flow: varied_cell.flow_in,
+                density: varied_cell.density[1],
             },
             ..CellBalance::default()
         };
         let mut sum = self.ring.empty();
         for (i, (station, varied)) in self.stations.iter().zip(&varied).enumerate() {
-            let (Some(station), Some((by, chain))) = (station, varied) else {
+            let (Some(station), Some((by, stack))) = (station, varied) else {
                 continue;
             };
             let mut load = LineLoad::zero();
             let tension = self.ring.vary_own_load(i + 1, station.ring, by, own, &mut load);
-            let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &stack);
+            let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, stack), &varied_cell);
             let flank = match direction {
                 Direction::Pulley(number) => station.by_pulley[number],
-                _ => station.vary_approach::<MOVES>(&self.given, by, chain),
+                _ => station.vary_kinematics::<MOVES>(&self.given, by, stack),
             };
             let laws = &mut arguments[i * D..][..D];
-            let drag = station.vary_arguments::<MOVES>(&self.given, (by, chain), &flank, tension, laws);
+            let drag = station.vary_arguments::<MOVES>(&self.given, (by, stack), &flank, tension, laws);
             let change = StationVariation {
                 by,
-                chain,
+                stack,
                 flank: &flank,
                 tension,
                 along,
@@ -157,71 +157,71 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         (out, self.ring.varied_forces(&sum, own, beta))
     }
 
-    /// Variation of ring and chain at the face (0) or at a station (1 and up), where V varies by `speed`.
+    /// Variation of ring and stack at the face (0) or at a station (1 and up), where V varies by `speed`.
     #[inline(always)]
     fn vary_point<const MOVES: bool>(
         &self,
-        (at, ring, chain): (usize, &RingPoint<Lanes, D>, &ChainPoint<Lanes>),
+        (at, ring, stack): (usize, &RingPoint<Lanes, D>, &StackPoint<Lanes>),
         direction: Direction,
         speed: Lanes,
-    ) -> (RingVariation<Lanes, D>, ChainVariation<Lanes>) {
+    ) -> (RingVariation<Lanes, D>, StackVariation<Lanes>) {
         let (true, Direction::Ring(own)) = (MOVES, direction) else {
-            return (RingVariation::none(), ChainVariation::of_speed(chain, speed));
+            return (RingVariation::none(), StackVariation::of_speed(stack, speed));
         };
         let by = self.ring.vary(at, ring, own, self.factors);
-        let speed = if self.given.law.is_chain() {
+        let speed = if self.given.law.is_pull_chain() {
             by.t.dot(&ring.r_dot) + ring.t.dot(&by.r_dot) + ring.w * by.stretch
         } else {
             speed
         };
-        (by, chain.vary(ring, &by, speed))
+        (by, stack.vary(ring, &by, speed))
     }
 
-    /// Variation of the stack, and of ring and chain at the `stations`.
+    /// Variation of the stack, and of ring and stack at the `stations`.
     #[inline(always)]
-    fn vary_cell<const MOVES: bool>(&self, direction: Direction, stations: &mut VariedStations<D>) -> StackVariation {
+    fn vary_cell<const MOVES: bool>(&self, direction: Direction, stations: &mut VariedStations<D>) -> CellVariation {
         let zero = Lanes::zero();
         let (mut speed, mut content) = ([zero; 2], zero);
         match direction {
-            _ if self.given.law.is_chain() => {}
+            _ if self.given.law.is_pull_chain() => {}
             Direction::Speed(face) => speed[face] = Lanes::from(1.0),
             Direction::Content => content = Lanes::from(1.0),
             _ => {}
         }
-        let (mut pitch_length, mut carried, mut through, mut steepness) = (zero, zero, zero, zero);
+        let (mut pitch_length, mut by_normal_motion, mut through, mut steepness) = (zero, zero, zero, zero);
         for (i, (varied, station)) in stations.iter_mut().zip(&self.stations).enumerate() {
             let Some(station) = station else { continue };
-            let (chain, weight) = (station.chain, station.weight);
-            let point = (i + 1, station.ring, chain);
-            let (by, d_chain) = self.vary_point::<MOVES>(point, direction, between(&speed, station.right));
+            let (stack, weight) = (station.stack, station.weight);
+            let point = (i + 1, station.ring, stack);
+            let (by, d_stack) = self.vary_point::<MOVES>(point, direction, between(&speed, station.right));
             pitch_length += weight * by.stretch;
             if MOVES {
                 for k in 0..D - 1 {
-                    carried += weight
-                        * (d_chain.curvature[k] * chain.normal_speed[k] + chain.curvature[k] * d_chain.normal_speed[k]);
+                    by_normal_motion += weight
+                        * (d_stack.curvature[k] * stack.normal_speed[k] + stack.curvature[k] * d_stack.normal_speed[k]);
                 }
             }
-            through += weight * d_chain.flow;
+            through += weight * d_stack.flow;
             steepness += weight * by.strain_gradient;
-            *varied = Some((by, d_chain));
+            *varied = Some((by, d_stack));
         }
         if MOVES {
             for (by, _) in stations.iter_mut().flatten() {
                 by.strain_gradient = steepness * self.cell.inverse_length;
             }
         }
-        let (ring, chain) = &self.face;
-        let (_, face) = self.vary_point::<MOVES>((0, ring, chain), direction, speed[0]);
+        let (ring, stack) = &self.face;
+        let (_, face) = self.vary_point::<MOVES>((0, ring, stack), direction, speed[0]);
 
         let cell = &self.cell;
         let (difference, inverse) = (speed[1] - speed[0], cell.inverse_pitch_length);
         let density = (content - cell.density * pitch_length) * inverse;
         let thinning = (cell.density * cell.lengthening * inverse * pitch_length
             - density * cell.lengthening
-            - cell.density * (difference - carried))
+            - cell.density * (difference - by_normal_motion))
             * inverse;
         let arguments = of_two([density, thinning]);
-        StackVariation {
+        CellVariation {
             flow_in: face.flow,
             arguments,
             density: [cell.density, density],
@@ -251,11 +251,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
         out.speed = [one, -one];
         for (i, station) in self.stations.iter().flatten().enumerate() {
-            let pushed = ([[zero; FORCES]; 3], station.chain.curvature);
+            let pushed = ([[zero; FORCES]; 3], station.stack.curvature);
             self.add_unit((i, station), pushed, &mut out, &mut sum);
         }
         let ring = self.ring.varied_forces(&sum, None, self.factors[1]);
-        record(self.given.place.stations.len() * D * FORCES, out, ring);
+        record(self.given.geometry.stations.len() * D * FORCES, out, ring);
     }
 
     /// Adds the loads at station `i` of forces of its laws and of a force across the belt, where nothing moves.
@@ -270,7 +270,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let zero = Lanes::zero();
         let change = StationVariation {
             by: &RingVariation::none(),
-            chain: &ChainVariation::default(),
+            stack: &StackVariation::default(),
             flank: &FlankVariation::default(),
             tension: zero,
             along: zero,
@@ -306,13 +306,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             dragged += along_ring * by.stretch;
         }
         load.drift += dragged;
-        along += (tangential - d_friction) * station.chain.lead;
+        along += (tangential - d_friction) * station.stack.lead;
         let mut ring_along = ring_along + dragged;
-        if self.given.law.is_chain() {
+        if self.given.law.is_pull_chain() {
             load.position += ring.t * along;
             let mut drift = along * ring.stretch;
             if MOVES {
-                let base = station.forces.along(ring, station.chain);
+                let base = station.forces.along(ring, station.stack);
                 load.position += by.t * base;
                 drift += base * by.stretch;
             }
@@ -320,10 +320,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             ring_along += drift;
         } else {
             for face in [0, 1] {
-                out.speed[face] += along * weight * share::<Lanes>(face, station.right);
+                out.speed[face] += along * weight * face_weight::<Lanes>(face, station.right);
             }
         }
-        let action = Action {
+        let station_load = StationLoad {
             load,
             tension: change.tension,
             across,
@@ -331,6 +331,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             weight,
         };
         self.ring
-            .apply_varied(sum, i + 1, (ring, by), &station.forces.own_load, &action);
+            .apply_varied(sum, i + 1, (ring, by), &station.forces.own_load, &station_load);
     }
 }

@@ -1,10 +1,10 @@
 //! Power, losses and stored energy of a state: each loss from its own law, never as a remainder.
 
-use crate::chain;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ReferenceCurve;
 use crate::scalar::{Lanes, Real};
 use crate::solver::View;
+use crate::stack;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell, Group};
@@ -63,7 +63,7 @@ pub struct BeltSums<L = f64> {
     pub shaft_torque: PerPulley<L>,
     /// ∫ axial · ϱ, N·m.
     pub axial_radius: PerPulley<L>,
-    /// Sliding weighted by normal force, and its share of either sign.
+    /// Sliding weighted by normal force, and its fraction of either sign.
     pub sliding: PerPulley<Sliding<L>>,
     /// Smallest net strand force T − Q, N.
     pub strand_force: L,
@@ -72,7 +72,7 @@ pub struct BeltSums<L = f64> {
     /// Length of the pitch line, m.
     pub pitch_length: L,
     /// ∫ V along it, m²/s.
-    pub carried: L,
+    pub speed_integral: L,
 }
 
 /// Sliding of the loaded stations of a pulley.
@@ -102,7 +102,7 @@ impl BeltSums<Lanes> {
         self.losses.sheaves += s.sheave_loss * weight;
         self.losses.ring += s.ring_loss * weight;
         self.losses.layers += s.layer_loss * weight;
-        self.losses.spin += s.spin_loss * weight;
+        self.losses.element_rotation += s.rotation_loss * weight;
         self.losses.other += s.damping_loss * weight;
         for j in Pulley::BOTH {
             let weight = s.weight * group.on[j];
@@ -124,7 +124,7 @@ impl BeltSums<Lanes> {
         self.push_force = self.push_force.max(s.push);
         let length = s.lambda * weight;
         self.pitch_length += length;
-        self.carried += s.speed * length;
+        self.speed_integral += s.speed * length;
     }
 
     /// The sums over all lanes.
@@ -135,7 +135,7 @@ impl BeltSums<Lanes> {
                 sheaves: self.losses.sheaves.sum(),
                 ring: self.losses.ring.sum(),
                 layers: self.losses.layers.sum(),
-                spin: self.losses.spin.sum(),
+                element_rotation: self.losses.element_rotation.sum(),
                 other: self.losses.other.sum(),
                 ..Losses::default()
             },
@@ -152,7 +152,7 @@ impl BeltSums<Lanes> {
             strand_force: self.strand_force.to_array().into_iter().fold(f64::INFINITY, f64::min),
             push_force: self.push_force.to_array().into_iter().fold(0.0, f64::max),
             pitch_length: self.pitch_length.sum(),
-            carried: self.carried.sum(),
+            speed_integral: self.speed_integral.sum(),
         }
     }
 }
@@ -160,7 +160,7 @@ impl BeltSums<Lanes> {
 impl BeltDiagnostics {
     /// The diagnostics of a state. Allocates.
     #[must_use]
-    pub fn of(system: &VariatorSystem, view: View<'_>) -> Self {
+    pub fn new(system: &VariatorSystem, view: View<'_>) -> Self {
         let mut diagnostics = Self::default();
         diagnostics.update(system, view);
         diagnostics
@@ -176,7 +176,7 @@ impl BeltDiagnostics {
             }
         }
         self.sums = sums.total();
-        if system.belt.law.is_chain() {
+        if system.belt.law.is_pull_chain() {
             // One law of drag along the ring, whose cause differs.
             let losses = &mut self.sums.losses;
             (losses.joints, losses.layers) = (losses.layers, 0.0);
@@ -199,10 +199,10 @@ impl BeltDiagnostics {
         let law = &belt.law;
         let mut sum = Lanes::zero();
         for (group, samples) in self.groups(&belt.mesh) {
-            let stack = if law.is_chain() {
+            let stack = if law.is_pull_chain() {
                 Lanes::zero()
             } else {
-                chain::energy_density(&law.chain, samples[0].density)
+                stack::energy_density(&law.stack, samples[0].density)
             };
             let in_use = group.in_use();
             for s in samples {
@@ -222,7 +222,7 @@ impl BeltSums {
                 self.axial_radius[pulley] / self.axial[pulley]
             } else {
                 let frame = belt.curve.frame::<f64>(belt.theta(view));
-                frame.radius[pulley as usize].v - belt.law.chain.pitch_offset
+                frame.radius[pulley as usize].v - belt.law.stack.pitch_offset
             }
         })
     }

@@ -195,7 +195,7 @@ impl EnergyBalance {
     /// The energy balance of a run that starts at a state.
     #[must_use]
     pub fn open(system: &VariatorSystem, view: View<'_>) -> Self {
-        let last = BeltDiagnostics::of(system, view);
+        let last = BeltDiagnostics::new(system, view);
         Self {
             initial: last.belt_energy(&system.belt) + system.pulleys().energy(view),
             last,

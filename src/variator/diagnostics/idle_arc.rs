@@ -39,9 +39,9 @@ pub(super) fn idle_arcs(mesh: &BeltMesh, stations: &[Sample], length: f64, rever
             let wrap = sample.curvature[0] * sample.weight;
             let change = (sample.push - entry).abs();
             if difference >= NO_DIFFERENCE && change > limit {
-                let share = ((limit - before) / (change - before)).clamp(0.0, 1.0);
+                let fraction = ((limit - before) / (change - before)).clamp(0.0, 1.0);
                 // Between the last station and this one, each in the middle of its weight.
-                return (angle + wrap * (share - 0.5)).max(0.0);
+                return (angle + wrap * (fraction - 0.5)).max(0.0);
             }
             (angle, before) = (angle + wrap, change);
         }

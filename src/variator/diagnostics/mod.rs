@@ -12,10 +12,10 @@ pub mod observe;
 const NO_SPEED: f64 = 1.0e-3;
 /// Normal force per flank and length up to which a profile shows no sliding, N/m: a hundredth of that of an arc under 1 kN.
 const UNLOADED: f64 = 100.0;
-/// Mean sliding speed from which a pulley slips through, as shares of the regularisation velocity and of the rim speed: micro-slip of a belt
+/// Mean sliding speed from which a pulley slips through, as fractions of the regularisation velocity and of the rim speed: micro-slip of a belt
 /// that grips is below a hundredth of the rim speed.
 const SLIPPING: [f64; 2] = [10.0, 0.02];
-/// Least share of the load that slides one way then.
+/// Least fraction of the load that slides one way then.
 const ONE_WAY: f64 = 0.99;
 /// Share of the mean sliding speed from which it still slips through then.
 const STILL_SLIPPING: f64 = 0.5;

@@ -47,10 +47,10 @@ impl Observer {
         self.stations
             .extend(diagnostics.stations(&belt.mesh).map(|(_, sample)| sample));
         let stations = &self.stations;
-        let idle = if belt.law.is_chain() {
+        let idle = if belt.law.is_pull_chain() {
             PerPulley::default()
         } else {
-            idle_arcs(&belt.mesh, stations, belt.curve.length(), sums.carried < 0.0)
+            idle_arcs(&belt.mesh, stations, belt.curve.length(), sums.speed_integral < 0.0)
         };
         let of = |j: Pulley| PulleyOutputs {
             speed: view.y[belt.layout.shaft_speed(j)],
@@ -59,7 +59,7 @@ impl Observer {
             axial_force: sums.axial[j],
             shaft_torque: sums.torque[j],
             external_torque: external[j].torque,
-            clamping_force_total: external[j].closing,
+            clamping_force_total: external[j].clamping,
             sheave_velocity: view.y[belt.layout.sheave(j)],
             flow: system.parameters.pulley(j).cylinder.area * view.y[belt.layout.sheave(j)],
             volume: system.parameters.pulley(j).cylinder.area * view.q[belt.layout.sheave(j)],
@@ -69,7 +69,7 @@ impl Observer {
             tilt: f64::hypot(view.y[belt.layout.tilt(j, 0)], view.y[belt.layout.tilt(j, 1)]),
         };
         (out.primary, out.secondary) = (of(Primary), of(Secondary));
-        out.belt_speed = sums.carried / sums.pitch_length;
+        out.belt_speed = sums.speed_integral / sums.pitch_length;
         out.ring_speed = view.y[belt.layout.drift()];
         out.reference_theta = view.q[belt.layout.theta()];
         out.set_quotients(sums.shaft_torque);
@@ -138,24 +138,24 @@ impl Observer {
             }
         };
         // Stretch between the pins of a chain is no gap.
-        let thickness = if belt.law.is_chain() {
+        let thickness = if belt.law.is_pull_chain() {
             0.0
         } else {
-            belt.law.chain.element_thickness
+            belt.law.stack.element_thickness
         };
         let gap = |sample: &Sample| thickness * (sample.density.recip() - 1.0).max(0.0);
         let sliding = |sample: &Sample| if sample.normal > UNLOADED { sample.sliding } else { 0.0 };
         let (mut station, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
             let xi = k as f64 * length / PROFILE_POINTS as f64;
-            let (before, after, share) = bracket(&self.elements, |e| e.xi, xi, length, &mut element);
-            let within = |of: &dyn Fn(usize) -> f64| of(before) * (1.0 - share) + of(after) * share;
+            let (before, after, fraction) = bracket(&self.elements, |e| e.xi, xi, length, &mut element);
+            let within = |of: &dyn Fn(usize) -> f64| of(before) * (1.0 - fraction) + of(after) * fraction;
             profile.position[k] = xi;
             profile.ring_tension[k] = within(&|e| self.elements[e].tension);
             profile.ring_stress[k] = within(&|e| self.stresses[e]);
-            let (before, after, share) = bracket(&self.stations, |sample| sample.xi, xi, length, &mut station);
+            let (before, after, fraction) = bracket(&self.stations, |sample| sample.xi, xi, length, &mut station);
             let [(of_a, a), (of_b, b)] = [before, after].map(|k| (&mesh.cells[k / mesh.points], &self.stations[k]));
-            let between = |a: f64, b: f64| a * (1.0 - share) + b * share;
+            let between = |a: f64, b: f64| a * (1.0 - fraction) + b * fraction;
             profile.push_force[k] = between(a.push, b.push);
             profile.gap[k] = between(gap(a), gap(b));
             profile.normal_force[k] = between(a.normal, b.normal);
@@ -263,7 +263,7 @@ fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
     range.1 - range.0
 }
 
-/// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second.
+/// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the fraction of the second.
 /// `right` is the index of the last result, so `xi` must ascend from call to call.
 fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &mut usize) -> (usize, usize, f64) {
     let n = list.len();
@@ -277,7 +277,7 @@ fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &
 }
 
 /// Macro-slip: the loaded stations of a pulley slide tangentially one way, faster than a limit on average. Once set, it stays until the mean
-/// falls below a share of that.
+/// falls below a fraction of that.
 pub(crate) fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSums, before: bool) -> bool {
     let radii = sums.mean_radii(&system.belt, view);
     Pulley::BOTH.into_iter().any(|j| {

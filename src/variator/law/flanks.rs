@@ -3,7 +3,7 @@
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
 use crate::ring::kinematics::RingPoint;
 use crate::scalar::Real;
-use crate::variator::law::place::{CellLaw, PulleyLoad, PulleyMotion};
+use crate::variator::law::arguments::{CellLaw, PulleyLoad, PulleyMotion};
 use nalgebra::{SVector, Vector2};
 
 /// Loads of flanks on an element, per ring length.
@@ -12,7 +12,7 @@ pub struct FlankLoads<T> {
     /// Outward force at the ring centre line, N/m.
     pub radial: T,
     /// Force along e_t at the pitch line, N/m.
-    pub around: T,
+    pub circumferential: T,
     /// Torque on the pulley, N.
     pub torque: T,
     /// Axial force on the sheave, N/m.
@@ -31,7 +31,7 @@ impl<T: Real> FlankLoads<T> {
     fn plus(&self, other: &Self) -> Self {
         Self {
             radial: self.radial + other.radial,
-            around: self.around + other.around,
+            circumferential: self.circumferential + other.circumferential,
             torque: self.torque + other.torque,
             axial: self.axial + other.axial,
             normal: self.normal + other.normal,
@@ -55,7 +55,7 @@ pub struct FlankSum<T> {
 impl<T: Real> FlankSum<T> {
     /// Of two equal flanks.
     #[inline(always)]
-    pub fn alike(one: &FlankLoads<T>) -> Self {
+    pub fn symmetric(one: &FlankLoads<T>) -> Self {
         Self {
             loads: one.plus(one),
             on_movable: one.axial,
@@ -65,7 +65,7 @@ impl<T: Real> FlankSum<T> {
 
     /// Of the flank on the movable sheave, which is on this `side` along z, and of the other one.
     #[inline(always)]
-    pub fn of(movable: &FlankLoads<T>, fixed: &FlankLoads<T>, side: T::Constant) -> Self {
+    pub fn new(movable: &FlankLoads<T>, fixed: &FlankLoads<T>, side: T::Constant) -> Self {
         Self {
             loads: movable.plus(fixed),
             on_movable: movable.axial,
@@ -101,7 +101,7 @@ pub struct BothFlanks<T> {
 
 /// Position of a point of the belt relative to its pulley, and the motion of its flanks on the sheaves.
 #[derive(Clone, Copy, Debug)]
-pub struct Approach<T: Real> {
+pub struct FlankKinematics<T: Real> {
     /// Unit vector from the axis.
     pub e_r: Vector2<T>,
     /// Unit vector around it, clockwise.
@@ -117,12 +117,12 @@ pub struct Approach<T: Real> {
     /// Radial velocity v_e·e_r at the ring centre line, m/s.
     pub v_r: T,
     /// Velocity v_p·e_t around the axis at the pitch line, m/s.
-    pub v_around: T,
+    pub v_circumferential: T,
     /// Motion of a flank in the middle of the pulley.
     pub flank: FlankMotion<T>,
 }
 
-impl<T: Real> Approach<T> {
+impl<T: Real> FlankKinematics<T> {
     /// The approach of a point r of the ring with the element velocities v_e at the ring centre line and v_p at the pitch
     /// line, all in the plane of the drive.
     #[inline(always)]
@@ -132,11 +132,11 @@ impl<T: Real> Approach<T> {
         let (distance, inverse_distance) = arm.dot(&arm).root_and_inverse();
         let e_r = arm * inverse_distance;
         let e_t = Vector2::new(e_r.y, -e_r.x);
-        let rho = distance - law.chain.pitch_offset;
+        let rho = distance - law.stack.pitch_offset;
         let opening = pulley.psi[0] * e_r.x - pulley.psi[1] * e_r.y;
         let opening_rate = (pulley.psi_dot[0] * e_r.x - pulley.psi_dot[1] * e_r.y) * rho;
         let opening_slope = pulley.psi[0] * e_r.y + pulley.psi[1] * e_r.x;
-        let (v_r, v_around) = (v_e.dot(&e_r), v_p.dot(&e_t));
+        let (v_r, v_circumferential) = (v_e.dot(&e_r), v_p.dot(&e_t));
         let surface = pulley.z_dot * 0.5 - opening_rate;
         let closing_surface = surface - pulley.omega * rho * opening_slope;
         Self {
@@ -147,11 +147,11 @@ impl<T: Real> Approach<T> {
             opening,
             opening_slope,
             v_r,
-            v_around,
+            v_circumferential,
             flank: FlankMotion {
                 penetration: pulley.z * 0.5 - (rho - law.r0) * tan_beta - opening * rho,
-                closing: surface - (opening + tan_beta) * v_r - opening_slope * v_around,
-                tangential: v_around - pulley.omega * rho,
+                penetration_rate: surface - (opening + tan_beta) * v_r - opening_slope * v_circumferential,
+                tangential: v_circumferential - pulley.omega * rho,
                 along_flank: v_r * cos_beta + closing_surface * sin_beta,
             },
         }
@@ -159,7 +159,7 @@ impl<T: Real> Approach<T> {
 
     /// Loads of the two flanks of an element with velocity v_e at the ring centre line. In the plane both flanks have
     /// the same loads; in space the element may be out of the middle. `plane` is
-    /// [`Place::plane`](crate::variator::law::place::Place::plane).
+    /// [`CellGeometry::plane`](crate::variator::law::arguments::CellGeometry::plane).
     #[inline(always)]
     pub fn both_flanks<const D: usize>(
         &self,
@@ -178,7 +178,7 @@ impl<T: Real> Approach<T> {
             return BothFlanks {
                 motions: [self.flank; 2],
                 forces: [force; 2],
-                sum: FlankSum::alike(&loads),
+                sum: FlankSum::symmetric(&loads),
                 offset: T::zero(),
             };
         }
@@ -193,7 +193,7 @@ impl<T: Real> Approach<T> {
         BothFlanks {
             motions,
             forces: [force, other_force],
-            sum: FlankSum::of(&movable, &fixed, side),
+            sum: FlankSum::new(&movable, &fixed, side),
             offset,
         }
     }
@@ -206,12 +206,12 @@ impl<T: Real> Approach<T> {
         let axial_friction = force.along_flank * lambda * sin_beta;
         FlankLoads {
             radial: axial_normal * (self.opening + tan_beta) + force.along_flank * lambda * cos_beta,
-            around: axial_normal * self.opening_slope + force.tangential * lambda,
+            circumferential: axial_normal * self.opening_slope + force.tangential * lambda,
             torque: -(force.tangential * lambda + axial_friction * self.opening_slope) * self.rho,
             axial: axial_normal - axial_friction,
             normal: force.normal * lambda,
             loss: lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank) * -1.0,
-            viscous: force.viscous * cos_beta * lambda * flank.closing,
+            viscous: force.viscous * cos_beta * lambda * flank.penetration_rate,
         }
     }
 }

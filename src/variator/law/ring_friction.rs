@@ -28,8 +28,8 @@ pub fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, slidin
 }
 
 /// Drag of the ring's layers per dξ, N/m, at the tension `pressing`, N, and the speed `speed` of the ring along itself,
-/// m/s. `share` is that of [`Layers::drag_shares`](layers::Layers::drag_shares).
+/// m/s. `coefficient` is that of [`Layers::drag_coefficients`](layers::Layers::drag_coefficients).
 #[inline(always)]
-pub fn layer_drag<T: Real>(share: T, pressing: T, kappa: T, speed: T) -> T {
-    share * ring_load(pressing) * kappa * layers::direction(speed)
+pub fn layer_drag<T: Real>(coefficient: T, pressing: T, kappa: T, speed: T) -> T {
+    coefficient * ring_load(pressing) * kappa * layers::direction(speed)
 }

@@ -16,7 +16,7 @@ pub struct Load(usize);
 impl Load {
     /// Its value.
     #[must_use]
-    pub fn of(self, inputs: &Inputs) -> f64 {
+    pub fn value(self, inputs: &Inputs) -> f64 {
         inputs.values()[self.0]
     }
 
@@ -89,7 +89,7 @@ pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
     }
     // The set point of a speed is the speed of the point.
     for load in loads.iter().filter(|load| load.unit() != "rad/s") {
-        let (given, held) = (load.of(&point.given), load.of(&point.inputs));
+        let (given, held) = (load.value(&point.given), load.value(&point.inputs));
         let (name, unit, usual) = INPUTS[load.0];
         // Drag alone changes a torque of zero.
         if (held - given).abs() > SAME * given.abs().max(held.abs()).max(usual) {

@@ -68,7 +68,7 @@ pub fn linearise_at(
     frequency: f64,
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Result<LinearModel, LinearError> {
-    about(WorkingPoint::of(variator, inputs)?, frequency, read)
+    about(WorkingPoint::find(variator, inputs)?, frequency, read)
 }
 
 fn about(
@@ -174,7 +174,7 @@ fn derivatives_along(
             load.add(offset + step, &mut inputs);
         }
         system.loads = Loads::held(&inputs);
-        let diagnostics = BeltDiagnostics::of(system, state.view());
+        let diagnostics = BeltDiagnostics::new(system, state.view());
         let mut outputs = Outputs::default();
         Observer::default().observe(system, 0.0, state.view(), &diagnostics, &mut outputs);
         outputs

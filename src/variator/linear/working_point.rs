@@ -57,11 +57,11 @@ impl WorkingPoint {
             let why = warning.map_or_else(|| STANDS_STILL.to_string(), |warning| warning.text);
             return Err(LinearError::Unsteady(why));
         }
-        Self::of(&mut variator, inputs)
+        Self::find(&mut variator, inputs)
     }
 
     /// The present state of `variator`, under `inputs`.
-    pub fn of(variator: &mut Variator, inputs: &Inputs) -> Result<Self, LinearError> {
+    pub fn find(variator: &mut Variator, inputs: &Inputs) -> Result<Self, LinearError> {
         refuse_unsteady(variator)?;
         let (mut system, mut state) = (variator.system().clone(), variator.state().clone());
         if system.friction_velocity != system.parameters.friction.velocity {
@@ -108,7 +108,7 @@ fn refuse_change(rate: f64) -> Result<(), LinearError> {
 /// Sets the loads that hold the state. Returns them as inputs.
 fn hold(system: &mut VariatorSystem, state: &State, inputs: &Inputs) -> Result<Inputs, LinearError> {
     let mut held = *inputs;
-    let sums = BeltDiagnostics::of(system, state.view()).sums;
+    let sums = BeltDiagnostics::new(system, state.view()).sums;
     for (j, values) in [
         (Pulley::Primary, &mut held.primary),
         (Pulley::Secondary, &mut held.secondary),

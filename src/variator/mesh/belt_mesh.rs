@@ -1,4 +1,4 @@
-//! The mesh: ring elements around the belt, each divided into chain cells.
+//! The mesh: ring elements around the belt, each divided into cells.
 //!
 //! It has five segments, each divided into elements. Element borders follow the arc borders for every Θ, so every
 //! quadrature point stays on its own arc or strand and all integrals are smooth in Θ. Elements are graded towards the
@@ -26,7 +26,7 @@ const ARC_GRADING: f64 = 0.76;
 /// Grading of the strands.
 const STRAND_GRADING: f64 = 0.88;
 
-/// A finite volume of the chain of push elements.
+/// A finite volume of the stack of push elements.
 #[derive(Clone, Debug)]
 pub struct Cell {
     /// Ring element that contains it.
@@ -92,7 +92,7 @@ pub struct BeltMesh {
     pub aligned: bool,
     /// Ring elements, from ξ = 0 on.
     pub elements: Vec<Element>,
-    /// Chain cells, in the order of ξ.
+    /// Cells, in the order of ξ.
     pub cells: Vec<Cell>,
     /// Groups of cells, around the loop.
     pub groups: Vec<Group>,

@@ -23,7 +23,7 @@ pub const TURN: usize = 1;
 pub struct Layout {
     /// Number of ring elements of the mesh.
     pub elements: usize,
-    /// Chain cells in an element.
+    /// Cells in an element.
     pub cells_per_element: usize,
     /// Number of nodes with unknowns; 0 if the ring follows the reference curve and its tension at each face is an unknown.
     pub nodes: usize,

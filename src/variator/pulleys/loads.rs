@@ -148,7 +148,7 @@ impl InputProfile {
     }
 
     /// Inputs at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never pulled.
-    pub fn at(&self, time: f64) -> Inputs {
+    pub fn evaluate(&self, time: f64) -> Inputs {
         let rates = &self.rates[usize::from(time >= self.kink)];
         let mut inputs = self.inputs.after(time - self.kink, rates);
         for pulley in [&mut inputs.primary, &mut inputs.secondary] {
@@ -184,9 +184,9 @@ impl Loads {
     }
 
     /// The boundary conditions at a time, s.
-    pub(crate) fn at(&self, time: f64, parameters: &Parameters) -> Boundary {
+    pub(crate) fn boundary(&self, time: f64, parameters: &Parameters) -> Boundary {
         let given = match self {
-            Self::Inputs(profile) => profile.at(time),
+            Self::Inputs(profile) => profile.evaluate(time),
             Self::Steady(boundary) => return *boundary,
         };
         Boundary {
@@ -210,7 +210,7 @@ impl Loads {
     /// Inputs at a time, s; none of a steady solution.
     pub(crate) fn inputs(&self, time: f64) -> Inputs {
         match self {
-            Self::Inputs(given) => given.at(time),
+            Self::Inputs(given) => given.evaluate(time),
             Self::Steady(_) => Inputs::ZERO,
         }
     }
@@ -257,13 +257,13 @@ pub(crate) mod tests {
             given.secondary.torque = -7.0;
             changed.change(&torque(30.0), &given);
             for (at, expected) in [2.0, 2.005, 2.01].into_iter().zip(torques) {
-                let found = profile.at(at).primary.torque;
+                let found = profile.evaluate(at).primary.torque;
                 assert!(
                     (found - expected).abs() < 1e-9,
                     "{time}, {rates:?}: {found}, not {expected}"
                 );
-                assert_eq!(changed.at(at).primary.torque, found, "{time}, {at}");
-                assert_eq!(changed.at(at).secondary.torque, -7.0, "{time}, {at}");
+                assert_eq!(changed.evaluate(at).primary.torque, found, "{time}, {at}");
+                assert_eq!(changed.evaluate(at).secondary.torque, -7.0, "{time}, {at}");
             }
         }
     }
@@ -273,6 +273,6 @@ pub(crate) mod tests {
         let mut profile = InputProfile::constant(&Inputs::ZERO);
         profile.inputs.primary.clamping_force = 10.0;
         profile.rates[1].primary.clamping_force = -100.0;
-        assert_eq!(profile.at(1.0).primary.clamping_force, 0.0);
+        assert_eq!(profile.evaluate(1.0).primary.clamping_force, 0.0);
     }
 }

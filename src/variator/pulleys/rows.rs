@@ -38,7 +38,7 @@ pub struct External {
     /// External torque at the shaft, or the reaction in speed drive, N·m.
     pub torque: f64,
     /// Force of clamp and cylinder on the movable sheave, or the reaction where it is held, N.
-    pub closing: f64,
+    pub clamping: f64,
 }
 
 /// An end stop of a movable sheave.
@@ -112,27 +112,27 @@ impl<'a> Pulleys<'a> {
     /// Force of clamp and pressure under which a sheave stands still, N: the belt's `axial` force on it, less those of an
     /// end stop, of spring and rotating oil.
     pub fn holding_force(&self, pulley: Pulley, view: View<'_>, axial: f64) -> f64 {
-        axial - self.stop(pulley, view).force - self.push(pulley, view)
+        axial - self.stop(pulley, view).force - self.passive_force(pulley, view)
     }
 
     /// Force of spring and rotating oil on a sheave, N.
-    pub fn push(&self, pulley: Pulley, view: View<'_>) -> f64 {
+    pub fn passive_force(&self, pulley: Pulley, view: View<'_>) -> f64 {
         let z = view.q[self.layout().sheave(pulley)];
         self.parameters
             .pulley(pulley)
             .cylinder
-            .push(z, self.speed(pulley, view))
+            .passive_force(z, self.speed(pulley, view))
     }
 
     /// Force of a cylinder on its sheave beside that of its pressure, N.
     fn cylinder(&self, pulley: Pulley, view: View<'_>) -> f64 {
         let z_dot = view.y[self.layout().sheave(pulley)];
-        self.push(pulley, view) - self.parameters.rubbing(pulley, z_dot)
+        self.passive_force(pulley, view) - self.parameters.seal_friction(pulley, z_dot)
     }
 
     /// Loss by the friction of a pulley's seals at the speed `z_dot` of its sheave, m/s; W.
     pub fn seal_loss(&self, pulley: Pulley, z_dot: f64) -> f64 {
-        self.parameters.rubbing(pulley, z_dot) * z_dot
+        self.parameters.seal_friction(pulley, z_dot) * z_dot
     }
 
     /// Adds to the rates `y_dot` the jumps that follow from a jump of the loads from `before` to `after`: loads act on the
@@ -164,7 +164,7 @@ impl<'a> Pulleys<'a> {
         self.parameters
             .pulley(pulley)
             .drag
-            .at(self.speed(pulley, view), resultant)
+            .loads(self.speed(pulley, view), resultant)
     }
 
     /// Drag torques of the shafts, N·m, where the contact forces on the belt have these resultants, N.
@@ -209,7 +209,7 @@ impl<'a> Pulleys<'a> {
             }
             SheaveMode::Held => return None,
         };
-        let cylinder = of.cylinder.push(z, omega) - of.cylinder.drag(z_dot, self.parameters.friction.velocity);
+        let cylinder = of.cylinder.passive_force(z, omega) - of.cylinder.drag(z_dot, self.parameters.friction.velocity);
         let stop = self.travel(pulley).stop_force(z, z_dot).force;
         Some(z_ddot * of.sheave_mass + z_dot * of.sheave_damping - (force + cylinder) + axial - stop)
     }
@@ -437,7 +437,7 @@ impl<'a> Pulleys<'a> {
             };
             External {
                 torque: Self::torque_supplied(boundary.shaft[pulley], torques[pulley]) + accelerating,
-                closing: match boundary.sheave[pulley] {
+                clamping: match boundary.sheave[pulley] {
                     SheaveMode::Force(force) => force + self.cylinder(pulley, view),
                     SheaveMode::Held | SheaveMode::Ratio { .. } => axial[pulley] - self.stop(pulley, view).force,
                 },

@@ -7,16 +7,16 @@ use crate::ring::kinematics::{
     ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
 };
 use crate::scalar::Real;
-use crate::variator::law::place::Place;
-use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingForces, VaryingRing};
+use crate::variator::law::arguments::CellGeometry;
+use crate::variator::rings::ring::{CellRing, EulerianRing, RingForces, StationLoad, VaryingRing};
 
 /// `ALE`: the ring deflects from the reference curve, in D components.
 #[derive(Debug)]
 pub struct Deflecting<'a, T: Real, const D: usize = 2> {
     /// Parameters of the beam.
     pub ring: &'a Ring,
-    /// Place of the cell.
-    pub place: &'a Place<'a, T>,
+    /// Geometry of the cell.
+    pub geometry: &'a CellGeometry<'a, T>,
     /// Motion of the element.
     pub element: ElementMotion<T, D>,
     /// Motion of the reference curve.
@@ -32,16 +32,16 @@ impl<'a, T: Real, const D: usize> Deflecting<'a, T, D> {
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,
-        place: &'a Place<'a, T>,
+        geometry: &'a CellGeometry<'a, T>,
         motion: &'a ReferenceMotion<T>,
         nodes: &[Motion<Node<T, D>>; 2],
     ) -> Self {
         Self {
             ring,
-            place,
-            element: ElementMotion::new(place.length, &motion.theta, nodes),
+            geometry,
+            element: ElementMotion::new(geometry.length, &motion.theta, nodes),
             motion,
-            dilation: place.length.d / place.length.v,
+            dilation: geometry.length.d / geometry.length.v,
             sum: ElementLoad::zero(),
         }
     }
@@ -69,7 +69,7 @@ impl<T: Real, const D: usize> EulerianRing<T, D> for Deflecting<'_, T, D> {
 impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
     fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
-        RingPoint::new(reference, &self.place.point(at).shape, &self.element, self.motion)
+        RingPoint::new(reference, &self.geometry.point(at).shape, &self.element, self.motion)
     }
 
     #[inline(always)]
@@ -79,9 +79,10 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
     }
 
     #[inline(always)]
-    fn apply(&mut self, at: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
-        let shape = &self.place.point(at).shape;
-        self.sum.add(&action.load, point, shape, &self.element, action.weight);
+    fn apply(&mut self, at: usize, point: &RingPoint<T, D>, station_load: &StationLoad<T, D>) {
+        let shape = &self.geometry.point(at).shape;
+        self.sum
+            .add(&station_load.load, point, shape, &self.element, station_load.weight);
     }
 
     #[inline(always)]
@@ -97,7 +98,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
 
     #[inline(always)]
     fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: [f64; 2]) -> RingVariation<T, D> {
-        let shape = &self.place.point(at).shape;
+        let shape = &self.geometry.point(at).shape;
         let (node, k, is_slope) = node_direction::<D>(own);
         let which = [2 * node + usize::from(is_slope), k];
         RingVariation::of_node(point, shape, &self.element, which, factors)
@@ -128,11 +129,11 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
         at: usize,
         (point, by): (&RingPoint<T, D>, &RingVariation<T, D>),
         own_load: &LineLoad<T, D>,
-        action: &Action<T, D>,
+        station_load: &StationLoad<T, D>,
     ) {
-        let shape = &self.place.point(at).shape;
-        sum.add(&action.load, point, shape, &self.element, action.weight);
-        sum.theta += own_load.on_length([&by.slope, &by.bend], &self.element) * action.weight;
+        let shape = &self.geometry.point(at).shape;
+        sum.add(&station_load.load, point, shape, &self.element, station_load.weight);
+        sum.theta += own_load.on_length([&by.slope, &by.bend], &self.element) * station_load.weight;
     }
 
     #[inline(always)]

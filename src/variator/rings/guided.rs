@@ -15,16 +15,16 @@ use crate::ring::Ring;
 use crate::ring::ale::{self, RingDensity};
 use crate::ring::kinematics::{LineLoad, Node, ReferenceMotion, RingPoint, RingVariation};
 use crate::scalar::{Real, zero_vector};
-use crate::variator::law::place::{Place, between, share};
-use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingForces, VaryingRing};
+use crate::variator::law::arguments::{CellGeometry, between, face_weight};
+use crate::variator::rings::ring::{CellRing, EulerianRing, RingForces, StationLoad, VaryingRing};
 
-/// Place of the growth among the coordinates of the curve. Its row is the mean of the tension.
+/// Index of the growth among the coordinates of the curve. Its row is the mean of the tension.
 const GROWTH: usize = COORDINATES - 1;
 
 /// `ALE0`: the ring follows the reference curve; its tension is an unknown at the faces.
 pub(crate) struct Guided<'a, T: Real, C: MeshCurve> {
     ring: &'a Ring,
-    place: &'a Place<'a, T>,
+    geometry: &'a CellGeometry<'a, T>,
     motion: &'a ReferenceMotion<T>,
     /// Frame and segment of the curve.
     curve: (&'a C::Frame<T>, usize),
@@ -74,13 +74,13 @@ impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,
-        (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        (geometry, motion): (&'a CellGeometry<'a, T>, &'a ReferenceMotion<T>),
         curve: (&'a C::Frame<T>, usize),
         tension: [T; 2],
     ) -> Self {
         Self {
             ring,
-            place,
+            geometry,
             motion,
             curve,
             tension,
@@ -106,12 +106,12 @@ impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
         sum: &mut GuidedSum<T>,
         at: usize,
         point: &RingPoint<T>,
-        action: &Action<T>,
+        station_load: &StationLoad<T>,
         own: impl Fn(&PointDerivatives<T>) -> T,
     ) {
         let (frame, segment) = self.curve;
-        let Action { load, weight, .. } = action;
-        let fraction = T::constant(self.place.fraction(at));
+        let StationLoad { load, weight, .. } = station_load;
+        let fraction = T::constant(self.geometry.fraction(at));
         let (shape, turn) = C::derivatives(frame, segment, fraction, &point.reference);
         let force = load.position;
         let [theta, spread] = shape.map(|by| force.dot(&by.r) - load.drift * by.xi + own(&by));
@@ -119,10 +119,10 @@ impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
         for (sum, along) in sum.curve.iter_mut().zip(along) {
             *sum += along * *weight;
         }
-        let bearing = action.tension * point.reference.kappa * *weight;
+        let bearing = station_load.tension * point.reference.kappa * *weight;
         sum.curve[GROWTH] += bearing;
-        sum.across += action.across * *weight - bearing;
-        sum.balance += action.along * *weight;
+        sum.across += station_load.across * *weight - bearing;
+        sum.balance += station_load.along * *weight;
     }
 }
 
@@ -142,19 +142,19 @@ impl<T: Real, C: MeshCurve> CellRing<T> for Guided<'_, T, C> {
     #[inline(always)]
     fn own_load(&self, at: usize, point: &RingPoint<T>, load: &mut LineLoad<T>) -> T {
         ale::add_inertia(self.ring, point, load);
-        between(&self.tension, self.place.point(at).right)
+        between(&self.tension, self.geometry.point(at).right)
     }
 
     #[inline(always)]
-    fn apply(&mut self, at: usize, point: &RingPoint<T>, action: &Action<T>) {
+    fn apply(&mut self, at: usize, point: &RingPoint<T>, station_load: &StationLoad<T>) {
         let kappa = point.reference.kappa;
         let moment = kappa * self.ring.bending_stiffness;
         let energy = moment * kappa * 0.5;
         let mut sum = self.sum;
-        self.add(&mut sum, at, point, action, |by| {
+        self.add(&mut sum, at, point, station_load, |by| {
             energy * by.dilation + moment * by.kappa
         });
-        sum.curve[GROWTH] -= kappa * self.mean_tension() * action.weight;
+        sum.curve[GROWTH] -= kappa * self.mean_tension() * station_load.weight;
         self.sum = sum;
     }
 
@@ -190,8 +190,8 @@ impl<T: Real, C: MeshCurve> VaryingRing<T> for Guided<'_, T, C> {
         load: &mut LineLoad<T>,
     ) -> T {
         ale::vary_inertia(self.ring, point, by, load);
-        let right = self.place.point(at).right;
-        own.map_or(T::zero(), |face| share(face, right))
+        let right = self.geometry.point(at).right;
+        own.map_or(T::zero(), |face| face_weight(face, right))
     }
 
     #[inline(always)]
@@ -206,9 +206,9 @@ impl<T: Real, C: MeshCurve> VaryingRing<T> for Guided<'_, T, C> {
         at: usize,
         (point, _): (&RingPoint<T>, &RingVariation<T>),
         _own_load: &LineLoad<T>,
-        action: &Action<T>,
+        station_load: &StationLoad<T>,
     ) {
-        self.add(sum, at, point, action, |_| T::zero());
+        self.add(sum, at, point, station_load, |_| T::zero());
     }
 
     #[inline(always)]

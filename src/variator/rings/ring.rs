@@ -1,4 +1,4 @@
-//! The ring inside a cell: traits that couple a ring model to chain and contact.
+//! The ring inside a cell: traits that couple a ring model to stack and contact.
 //!
 //! [`balance`](crate::variator::cell::balance) calls the four functions of [`CellRing`].
 
@@ -9,8 +9,8 @@ use crate::scalar::Real;
 
 /// Loads at a station, per dξ.
 #[derive(Clone, Copy, Debug)]
-pub struct Action<T: Real, const D: usize = 2> {
-    /// Loads on the ring: its own and those of chain and contact.
+pub struct StationLoad<T: Real, const D: usize = 2> {
+    /// Loads on the ring: its own and those of stack and contact.
     pub load: LineLoad<T, D>,
     /// Ring tension T, N.
     pub tension: T,
@@ -32,7 +32,7 @@ pub trait CellRing<T: Real, const D: usize = 2> {
     fn own_load(&self, at: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T;
 
     /// Applies the loads at a station.
-    fn apply(&mut self, at: usize, point: &RingPoint<T, D>, action: &Action<T, D>);
+    fn apply(&mut self, at: usize, point: &RingPoint<T, D>, station_load: &StationLoad<T, D>);
 
     /// Energies at a station; zero for a ring with elements of its own.
     fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T>;
@@ -77,7 +77,7 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
         at: usize,
         varied: (&RingPoint<T, D>, &RingVariation<T, D>),
         own_load: &LineLoad<T, D>,
-        action: &Action<T, D>,
+        station_load: &StationLoad<T, D>,
     );
 
     /// Variation of the generalised forces. If the ring moves, the loads of the cell must have been applied to it before.

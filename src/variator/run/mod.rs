@@ -1,10 +1,10 @@
 //! A run of a variator: start, communication steps, outputs, stored states.
 
 mod communication_step;
-mod hints;
 mod outcome;
-mod pace;
+mod plausibility;
 mod real_time;
+mod real_time_monitor;
 mod simulation;
 mod start;
 mod steady_start;

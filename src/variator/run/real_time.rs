@@ -23,8 +23,8 @@ pub(super) struct RealTime {
     pub skipped: f64,
     /// Inputs from the state, or the end of the open step, to the clock.
     waiting: InputProfile,
-    /// Length of steps as a share of its longest, and that of the open step, s, if one is.
-    share: f64,
+    /// Length of steps as a fraction of its longest, and that of the open step, s, if one is.
+    fraction: f64,
     open: Option<f64>,
     /// Inputs of the present step.
     inputs: InputProfile,
@@ -35,7 +35,7 @@ impl RealTime {
     pub fn new(simulation: &Simulation, sdirk: &mut Sdirk) -> Self {
         (sdirk.step, sdirk.newton_widening) = (REAL_TIME.step, 0.0);
         sdirk.newton.bound = WorkBound {
-            left: 0.0,
+            remaining: 0.0,
             jacobian: REAL_TIME.jacobian,
             overdraft: REAL_TIME.spare,
             ..WorkBound::NONE
@@ -45,7 +45,7 @@ impl RealTime {
             reached: simulation.time,
             skipped: 0.0,
             waiting: inputs,
-            share: 1.0,
+            fraction: 1.0,
             open: None,
             inputs,
         }
@@ -59,8 +59,8 @@ impl RealTime {
         let since = self.reached + self.open.unwrap_or_default();
         self.waiting = joined(&self.waiting, since, from, profile, clock);
         let effort = f64::from(simulation.system.parameters.solver.effort);
-        let left = &mut sdirk.newton.bound.left;
-        *left = left.min(REAL_TIME.spare) + effort * REAL_TIME.effort * ((clock - from) / MILLISECOND);
+        let remaining = &mut sdirk.newton.bound.remaining;
+        *remaining = remaining.min(REAL_TIME.spare) + effort * REAL_TIME.effort * ((clock - from) / MILLISECOND);
         simulation.time = self.reached;
         simulation.restore(self.inputs);
         let wider = if self.open.is_some() { REAL_TIME.widening } else { 1.0 };
@@ -91,14 +91,14 @@ impl RealTime {
                     self.reached + length
                 };
                 simulation.time = self.reached;
-                self.share = (2.0 * self.share).min(1.0);
+                self.fraction = (2.0 * self.fraction).min(1.0);
             }
             Err(Unsolved::OutOfWork) => self.open = Some(length),
             Err(Unsolved::NoSolution) => {
                 sdirk.newton.counts.rejected += 1;
                 let end = self.reached + length;
                 self.waiting = joined(&self.inputs, self.reached, end, &self.waiting, clock);
-                self.share = (0.5 * self.share).max(REAL_TIME.shortest);
+                self.fraction = (0.5 * self.fraction).max(REAL_TIME.shortest);
             }
         }
         self.open.is_none()
@@ -108,7 +108,9 @@ impl RealTime {
     /// time are alike.
     fn begin_step(&mut self, simulation: &mut Simulation, clock: f64) -> f64 {
         let rest = self.behind(clock);
-        let count = (rest / (self.share * REAL_TIME.step) - SHORTEST_STEP).ceil().max(1.0);
+        let count = (rest / (self.fraction * REAL_TIME.step) - SHORTEST_STEP)
+            .ceil()
+            .max(1.0);
         let length = rest / count;
         self.inputs = line(&self.waiting, [self.reached, self.reached + length]);
         simulation.apply(self.inputs);
@@ -126,7 +128,7 @@ impl RealTime {
         self.inputs.serialize(archive);
         archive.real(&mut self.reached);
         archive.real(&mut self.skipped);
-        archive.bounded_real(&mut self.share, REAL_TIME.shortest, 1.0);
+        archive.bounded_real(&mut self.fraction, REAL_TIME.shortest, 1.0);
         archive.option(&mut self.open);
     }
 }
@@ -140,16 +142,17 @@ fn joined(first: &InputProfile, from: f64, middle: f64, second: &InputProfile, t
     if to - middle <= SHORTEST_STEP {
         return *first;
     }
-    let share = (middle - from) / (to - from);
+    let fraction = (middle - from) / (to - from);
     let means = [mean(first, [from, middle]), mean(second, [middle, to])];
-    InputProfile::constant(&Inputs::ZERO.after(share, &means[0]).after(1.0 - share, &means[1]))
+    InputProfile::constant(&Inputs::ZERO.after(fraction, &means[0]).after(1.0 - fraction, &means[1]))
 }
 
 /// Mean of inputs from one time to another, s.
 fn mean(profile: &InputProfile, [from, to]: [f64; 2]) -> Inputs {
     let kink = profile.kink.clamp(from, to);
-    let part =
-        |start: f64, end: f64, sum: Inputs| sum.after((end - start) / (to - from), &profile.at(0.5 * (start + end)));
+    let part = |start: f64, end: f64, sum: Inputs| {
+        sum.after((end - start) / (to - from), &profile.evaluate(0.5 * (start + end)))
+    };
     part(kink, to, part(from, kink, Inputs::ZERO))
 }
 
@@ -157,8 +160,8 @@ fn mean(profile: &InputProfile, [from, to]: [f64; 2]) -> Inputs {
 fn line(profile: &InputProfile, [from, to]: [f64; 2]) -> InputProfile {
     let length = to - from;
     let rates = Inputs::ZERO
-        .after(1.0 / length, &profile.at(to))
-        .after(-1.0 / length, &profile.at(from));
+        .after(1.0 / length, &profile.evaluate(to))
+        .after(-1.0 / length, &profile.evaluate(from));
     InputProfile {
         kink: from,
         inputs: mean(profile, [from, to]).after(-0.5 * length, &rates),
@@ -183,7 +186,7 @@ mod tests {
         let (first, second) = (ramp(0.0, 0.0, 50.0), ramp(1e-3, 50.0, -50.0));
         let impulse = |profile: &InputProfile, from: f64, to: f64| {
             let line = line(profile, [from, to]);
-            let [start, end] = [from, to].map(|time| line.at(time).primary.torque);
+            let [start, end] = [from, to].map(|time| line.evaluate(time).primary.torque);
             0.5 * (start + end) * (to - from)
         };
         let both = joined(&first, 0.7e-3, 1e-3, &second, 2e-3);

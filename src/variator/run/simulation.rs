@@ -89,9 +89,9 @@ impl Simulation {
     /// Brings the friction velocity of the present time into force: in a ramp, that of the middle of the part that begins.
     fn regularise(&mut self) {
         let own = self.system.parameters.friction.velocity;
-        let left = 1.0 - (self.time - self.soft_since + 0.5 * self.friction_lasts()) / RAMP;
-        let velocity = if left > 0.0 {
-            own * (own.max(RAMP_VELOCITY) / own).powf(left)
+        let rest = 1.0 - (self.time - self.soft_since + 0.5 * self.friction_lasts()) / RAMP;
+        let velocity = if rest > 0.0 {
+            own * (own.max(RAMP_VELOCITY) / own).powf(rest)
         } else {
             own
         };
@@ -124,7 +124,7 @@ impl Simulation {
 
     /// Sums over the belt in the present state.
     pub fn sums(&self) -> BeltSums {
-        BeltDiagnostics::of(&self.system, self.state.view()).sums
+        BeltDiagnostics::new(&self.system, self.state.view()).sums
     }
 
     /// Inputs at the present time.

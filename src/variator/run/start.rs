@@ -60,7 +60,7 @@ impl Simulation {
             (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * ratio,
             (Drive::Torque, Drive::Torque) => given_speed,
         };
-        let clamping = parameters.closing_forces(inputs, [ratio, primary_speed]);
+        let clamping = parameters.total_clamping_forces(inputs, [ratio, primary_speed]);
         if ratio != given_ratio {
             let text = format!(
                 "initial.ratio = {given_ratio} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
@@ -128,12 +128,14 @@ impl Simulation {
         let (of, inputs) = (&self.system.parameters, &self.given);
         let ratio = of.initial.ratio;
         let (name, speed) = given_speed(of, inputs);
-        let closing = of.closing_forces(inputs, [ratio, self.primary_speed()]).map(short);
+        let clamping = of
+            .total_clamping_forces(inputs, [ratio, self.primary_speed()])
+            .map(short);
         let [first, second] = [inputs.primary.torque, inputs.secondary.torque];
         self.other_start = Some(format!(
-            "{why}; asked for: ratio {ratio}, {name} = {speed} rad/s, torques {first} and {second} N·m and closing forces {} and {} N \
+            "{why}; asked for: ratio {ratio}, {name} = {speed} rad/s, torques {first} and {second} N·m and clamping forces {} and {} N \
              (primary, secondary); found: {instead} (initial.found = {}, {found:?}); what helps: {helps}",
-            closing.primary, closing.secondary, found as i32
+            clamping.primary, clamping.secondary, found as i32
         ));
         found
     }
@@ -236,7 +238,7 @@ impl Simulation {
     fn start_slack(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.start_unloaded(start)?;
         if start.primary_speed.abs() <= STANDSTILL {
-            let hangs = self.settle(RAMP, &Inputs::ZERO, |_| ());
+            let hangs = self.relax(RAMP, &Inputs::ZERO, |_| ());
             self.soft_since = self.time;
             if hangs.is_err() {
                 self.start_unloaded(start)?;
@@ -265,17 +267,17 @@ impl Simulation {
     fn clamp(&mut self, span: f64) -> Result<(), StepError> {
         let mut quiet = self.given;
         (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
-        self.settle(span, &quiet, |_| ())
+        self.relax(span, &quiet, |_| ())
     }
 
     /// Whether each sheave is held or closed by a force at the initial ratio.
     fn is_clamped(&self) -> bool {
         let parameters = &self.system.parameters;
-        let closing = parameters.closing_forces(&self.given, [parameters.initial.ratio, 0.0]);
+        let clamping = parameters.total_clamping_forces(&self.given, [parameters.initial.ratio, 0.0]);
         let held = |pulley: Pulley| parameters.pulley(pulley).axial == Axial::Held;
         Pulley::BOTH
             .into_iter()
-            .all(|pulley| held(pulley) || closing[pulley] >= NO_FORCE)
+            .all(|pulley| held(pulley) || clamping[pulley] >= NO_FORCE)
     }
 
     /// Stops belt and shafts where they are, and holds the shafts while the clamping forces act. Places and the distribution of the
@@ -294,7 +296,7 @@ impl Simulation {
         let mut still = self.given;
         (still.primary.speed_setpoint, still.secondary.speed_setpoint) = (0.0, 0.0);
         let holds = self.system.parameters.holds_a_sheave();
-        self.settle(if holds { RAMP / RAMP_PARTS } else { RAMP }, &still, |before| {
+        self.relax(if holds { RAMP / RAMP_PARTS } else { RAMP }, &still, |before| {
             before.soft_since = f64::NEG_INFINITY;
             let p = &mut before.system.parameters;
             (p.primary.drive, p.secondary.drive) = (Drive::Speed, Drive::Speed);
@@ -303,7 +305,7 @@ impl Simulation {
 
     /// Advances a copy, changed, under constant inputs in the `span` before the start, s, and takes over its state, where possible.
     /// Friction comes in softly.
-    fn settle(&mut self, span: f64, inputs: &Inputs, change: impl FnOnce(&mut Self)) -> Result<(), StepError> {
+    fn relax(&mut self, span: f64, inputs: &Inputs, change: impl FnOnce(&mut Self)) -> Result<(), StepError> {
         let mut before = self.clone();
         before.time -= span;
         before.soft_since = before.time;

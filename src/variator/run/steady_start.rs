@@ -1,15 +1,15 @@
-//! The steady state that a run starts from: at the given torques, or at the largest share of them that has one.
+//! The steady state that a run starts from: at the given torques, or at the largest fraction of them that has one.
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::solver::continuation::Settled;
+use crate::solver::continuation::NotSteady;
 use crate::solver::newton::{Newton, WorkBound};
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{CLOSE_SHARE, NEXT_SHARE, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK};
-use crate::variator::settings::FAR;
-use crate::variator::settings::capacity::{Demand, excessive_speed};
+use crate::variator::run::tuning::{CLOSE_FRACTION, NEXT_FRACTION, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK};
+use crate::variator::settings::FAR_BEYOND_CAPACITY;
+use crate::variator::settings::capacity::{TorqueDemand, excessive_speed};
 use crate::variator::settings::parameters::{Axial, Drive};
 use crate::variator::settings::signals::StartState;
 use crate::variator::steady::solve::{SteadySolver, SteadyTask, geometric_ratio, reaction};
@@ -30,7 +30,7 @@ impl Simulation {
     pub fn solve_steady(&mut self) -> Result<StartState, NoSteadyState> {
         let mut newton = Newton::new(&self.system);
         newton.bound = WorkBound {
-            left: STEADY_WORK,
+            remaining: STEADY_WORK,
             jacobian: REAL_TIME.jacobian,
             overdraft: f64::INFINITY,
             ..WorkBound::NONE
@@ -51,9 +51,9 @@ impl Simulation {
         } else {
             Pulley::Secondary
         };
-        let force = parameters.closing_forces(&self.given, at)[clamped];
+        let force = parameters.total_clamping_forces(&self.given, at)[clamped];
         if force < NO_FORCE {
-            let name = parameters.name_of_closing(clamped);
+            let name = parameters.clamping_variable(clamped);
             let text = format!(
                 "no steady state without a clamping force ({}.{name} = {force} N)",
                 clamped.name()
@@ -65,12 +65,12 @@ impl Simulation {
         }
         let free = [primary, secondary] == [Axial::Force; 2];
         let balance = free && parameters.initial.equilibrium;
-        let demand = Demand::new(parameters, &self.given, clamped, at);
+        let demand = TorqueDemand::new(parameters, &self.given, clamped, at);
         let whole = self.steady_task(clamped.other(), 1.0);
-        let share = self.carry(newton, clamped.other(), demand)?;
+        let fraction = self.carry(newton, clamped.other(), demand)?;
         let mut found = StartState::Steady;
-        if share < 1.0 {
-            let instead = format!("the steady state at torques of {:.0} % of them", 100.0 * share);
+        if fraction < 1.0 {
+            let instead = format!("the steady state at torques of {:.0} % of them", 100.0 * fraction);
             let (why, helps) = (
                 "no steady state was found at the torques, which may be beyond the capacity of the clamping forces",
                 "larger clamping forces or smaller torques",
@@ -81,8 +81,8 @@ impl Simulation {
             found = self.balance_forces(newton, &whole, found);
         }
         if free {
-            let push = self.system.pulleys().push(Pulley::Primary, self.state.view());
-            let excess = whole.clamping.primary + push - self.sums().axial.primary;
+            let passive = self.system.pulleys().passive_force(Pulley::Primary, self.state.view());
+            let excess = whole.clamping.primary + passive - self.sums().axial.primary;
             let text = format!("steady start: primary clamping force less axial belt force is {excess:.1} N");
             self.log(false, text);
         }
@@ -94,10 +94,10 @@ impl Simulation {
         self.system.belt.shaft_speeds(self.state.view()).primary
     }
 
-    /// The steady state with a share of the torques.
-    fn steady_task(&self, reaction: Pulley, share: f64) -> SteadyTask {
+    /// The steady state with a fraction of the torques.
+    fn steady_task(&self, reaction: Pulley, fraction: f64) -> SteadyTask {
         let (p, inputs) = (&self.system.parameters, self.given);
-        let [own, primary] = [&inputs.secondary, &inputs.primary].map(|pulley| share * pulley.torque);
+        let [own, primary] = [&inputs.secondary, &inputs.primary].map(|pulley| fraction * pulley.torque);
         let (of_secondary, of_primary) = match (p.secondary.drive, p.primary.drive) {
             (Drive::Speed, Drive::Speed) => (ShaftMode::Fixed, ShaftMode::Fixed),
             (Drive::Speed, Drive::Torque) => (ShaftMode::Fixed, ShaftMode::Torque(primary)),
@@ -117,8 +117,8 @@ impl Simulation {
     }
 
     /// First guess of the slip of a shaft whose speed is solved for: in proportion to the torques, in the direction of the power.
-    fn guess_slip(&mut self, task: &SteadyTask, demand: Demand, share: f64) {
-        let utilisation = (-share * demand.share_of_capacity()).clamp(-1.0, 1.0);
+    fn guess_slip(&mut self, task: &SteadyTask, demand: TorqueDemand, fraction: f64) {
+        let utilisation = (-fraction * demand.utilisation()).clamp(-1.0, 1.0);
         let slip = SLIP_AT_CAPACITY * self.primary_speed().signum() * utilisation;
         for (pulley, sign) in [(Pulley::Secondary, 1.0), (Pulley::Primary, -1.0)] {
             if task.shaft[pulley] != ShaftMode::Fixed {
@@ -127,56 +127,58 @@ impl Simulation {
         }
     }
 
-    /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque
+    /// Solves for the steady state at the given torques, or at nearly the largest fraction of them that has one: torque
     /// beyond capacity has none, and isn't tried. The share.
-    fn carry(&mut self, newton: &mut Newton, reaction: Pulley, demand: Option<Demand>) -> Result<f64, NoSteadyState> {
+    fn carry(
+        &mut self,
+        newton: &mut Newton,
+        reaction: Pulley,
+        demand: Option<TorqueDemand>,
+    ) -> Result<f64, NoSteadyState> {
         let cold = self.state.clone();
-        let is_beyond = |share| demand.filter(|demand| demand.is_beyond(share));
-        let (mut share, mut beyond) = (1.0, 1.0);
+        let is_beyond = |fraction| demand.filter(|demand| demand.is_beyond(fraction));
+        let (mut fraction, mut beyond) = (1.0, 1.0);
         loop {
-            let task = self.steady_task(reaction, share);
-            let is_least = FAR * share <= 1.0;
+            let task = self.steady_task(reaction, fraction);
+            let is_least = FAR_BEYOND_CAPACITY * fraction <= 1.0;
             if let Some(demand) = demand {
-                self.guess_slip(&task, demand, share);
+                self.guess_slip(&task, demand, fraction);
             }
-            match is_beyond(share) {
+            match is_beyond(fraction) {
                 Some(demand) if is_least => return Err(NoSteadyState::Hopeless(demand.to_string())),
                 Some(_) => {}
                 None => match self.solve(newton, &task) {
                     // Beyond capacity a pulley that slips for ever may be steady too.
-                    Ok(_) if share == 1.0 || is_least || !self.slips_by_state() => break,
+                    Ok(_) if fraction == 1.0 || is_least || !self.slips_by_state() => break,
                     Err(report) if is_least || task.shaft == Boundary::HELD.shaft => {
                         let why = demand.map(|demand| format!(": {demand}")).unwrap_or_default();
-                        let Settled { step, solves } = report;
-                        return Err(NoSteadyState::NotFound(format!(
-                            "no steady state was found (pseudo-time step {step:.1e} s after {solves} solves){why}"
-                        )));
+                        return Err(NoSteadyState::NotFound(format!("{report}{why}")));
                     }
                     _ => self.state.clone_from(&cold),
                 },
             }
-            (beyond, share) = (share, NEXT_SHARE * share);
+            (beyond, fraction) = (fraction, NEXT_FRACTION * fraction);
         }
-        while beyond > CLOSE_SHARE * share {
-            let middle = (share * beyond).sqrt();
+        while beyond > CLOSE_FRACTION * fraction {
+            let middle = (fraction * beyond).sqrt();
             let task = SteadyTask {
                 warm: true,
                 ..self.steady_task(reaction, middle)
             };
-            let carried = self.state.clone();
+            let feasible = self.state.clone();
             let found = is_beyond(middle).is_none() && self.solve(newton, &task).is_ok();
             if found && !self.slips_by_state() {
-                share = middle;
+                fraction = middle;
             } else {
                 beyond = middle;
-                self.state = carried;
+                self.state = feasible;
             }
         }
-        Ok(share)
+        Ok(fraction)
     }
 
     /// Solves a task from the present state, in place.
-    fn solve(&mut self, newton: &mut Newton, task: &SteadyTask) -> Result<Settled, Settled> {
+    fn solve(&mut self, newton: &mut Newton, task: &SteadyTask) -> Result<(), NotSteady> {
         let Simulation { system, state, .. } = self;
         SteadySolver { system, newton }.solve(state, task)
     }
@@ -211,8 +213,8 @@ impl Simulation {
                 if found != StartState::Steady {
                     return found;
                 }
-                let push = system.pulleys().push(Pulley::Primary, state.view());
-                let holding = push + reaction(system, state.view(), Pulley::Primary);
+                let passive = system.pulleys().passive_force(Pulley::Primary, state.view());
+                let holding = passive + reaction(system, state.view(), Pulley::Primary);
                 let instead =
                     format!("the steady state at the ratio, where the primary force would have to be {holding:.1} N");
                 let (why, helps) = (

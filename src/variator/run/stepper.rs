@@ -46,15 +46,15 @@ impl Stepper {
     pub fn new(simulation: &Simulation, first_step: f64) -> Self {
         let solver = &simulation.system.parameters.solver;
         let mut sdirk = Sdirk::new(&simulation.system, first_step, solver.max_step);
-        let share = solver.tolerance / Parameters::default().solver.tolerance;
+        let fraction = solver.tolerance / Parameters::default().solver.tolerance;
         let [sharpest, widest] = NEWTON_LIMITS;
-        sdirk.newton_tolerance = (NEWTON_TOLERANCE * share).clamp(sharpest, widest);
-        sdirk.newton_widening = NEWTON_WIDENING * share.min(1.0);
+        sdirk.newton_tolerance = (NEWTON_TOLERANCE * fraction).clamp(sharpest, widest);
+        sdirk.newton_widening = NEWTON_WIDENING * fraction.min(1.0);
         let real_time = (solver.mode == Mode::RealTime).then(|| RealTime::new(simulation, &mut sdirk));
         Self {
             sdirk,
             real_time,
-            shortening: share.recip().cbrt().max(1.0),
+            shortening: fraction.recip().cbrt().max(1.0),
         }
     }
 
@@ -66,7 +66,7 @@ impl Stepper {
         given: &Inputs,
         profile: InputProfile,
     ) -> CommunicationStep {
-        self.sdirk.newton.left = 0.0;
+        self.sdirk.newton.defect = 0.0;
         CommunicationStep {
             from: simulation.time,
             to,
@@ -132,7 +132,7 @@ impl Stepper {
             steps: output(counts.steps + counts.rejected + counts.failed),
             jacobians: output(counts.factorizations),
             residuals: output(counts.residuals),
-            defect: self.sdirk.newton.left,
+            defect: self.sdirk.newton.defect,
             behind: self.real_time.as_ref().map_or(0.0, |run| run.behind(time)),
             skipped: self.real_time.as_ref().map_or(0.0, |run| run.skipped),
             rollbacks: self.real_time.as_ref().map_or(0, |_| output(counts.rejected)),

@@ -86,10 +86,10 @@ pub const CREEP_VELOCITY: f64 = 5.0e-5;
 pub const SETTLING: f64 = 0.2;
 pub const SETTLING_TOLERANCE: f64 = 1.0e-2;
 
-/// Factor to which the largest share of the torques is found that is carried, and factor from one share to the next while there is none.
+/// Factor to which the largest fraction of the torques is found that is carried, and factor from one fraction to the next while there is none.
 /// Half (1.02, 0.5): +15, +12; +1, +1. Twice (1.1, 0.85): -10, -8; +11, +11.
-pub const CLOSE_SHARE: f64 = 1.05;
-pub const NEXT_SHARE: f64 = 0.7;
+pub const CLOSE_FRACTION: f64 = 1.05;
+pub const NEXT_FRACTION: f64 = 0.7;
 /// Slip of a pushbelt at capacity, as a first guess: measured variators begin to slip through between 1 and 3 %. Half and twice: 0, 0; without:
 /// +2, +4.
 pub const SLIP_AT_CAPACITY: f64 = 0.015;

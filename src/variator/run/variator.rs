@@ -9,9 +9,9 @@ use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::diagnostics::energy_balance::EnergyBalance;
 use crate::variator::diagnostics::observe::Observer;
 use crate::variator::pulleys::loads::InputProfile;
-use crate::variator::run::hints::Hints;
 use crate::variator::run::outcome::{Event, InitialisationError, TimeError};
-use crate::variator::run::pace::Pace;
+use crate::variator::run::plausibility::PlausibilityWarnings;
+use crate::variator::run::real_time_monitor::RealTimeMonitor;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::stepper::Stepper;
 use crate::variator::run::tuning::{BRIEF, COLD_STEP, FIRST_STEP, MOMENT};
@@ -42,8 +42,8 @@ pub struct Variator {
     /// Last time at which the belt began or ceased to slip through, s.
     slipped: f64,
     pub(super) work: Work,
-    pub(super) pace: Pace,
-    hints: Hints,
+    pub(super) pace: RealTimeMonitor,
+    hints: PlausibilityWarnings,
     /// Values where the present communication step began.
     saved: Saved,
     observer: Observer,
@@ -98,8 +98,8 @@ impl Variator {
             macro_slip: false,
             slipped: f64::NEG_INFINITY,
             work: Work::default(),
-            pace: Pace::default(),
-            hints: Hints::NONE,
+            pace: RealTimeMonitor::default(),
+            hints: PlausibilityWarnings::NONE,
             observer: Observer::default(),
             readings: Box::default(),
             stale: true,
@@ -115,7 +115,7 @@ impl Variator {
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         TimeError::check(None, time)?;
         inputs.validate()?;
-        (self.slipped, self.hints) = (f64::NEG_INFINITY, Hints::NONE);
+        (self.slipped, self.hints) = (f64::NEG_INFINITY, PlausibilityWarnings::NONE);
         let parameters = &self.simulation.system.parameters;
         let idle = parameters.idle_pressures(inputs, &mut self.hints.idle, time);
         idle.into_iter().for_each(|text| self.simulation.log(true, text));
@@ -128,7 +128,7 @@ impl Variator {
         };
         self.stepper = Stepper::new(simulation, first_step);
         self.work = Work::default();
-        self.pace = Pace::new(inputs);
+        self.pace = RealTimeMonitor::new(inputs);
         simulation.apply(InputProfile::constant(inputs));
         simulation.energy = EnergyBalance::open(&simulation.system, simulation.state.view());
         self.macro_slip = simulation.slips(false);
@@ -173,7 +173,7 @@ impl Variator {
                 state.y_dot[i] += after * self.stepper.sdirk.slope_rate(i);
             }
             let (time, view) = (of.time + after, state.view());
-            let belt = BeltDiagnostics::of(&of.system, view);
+            let belt = BeltDiagnostics::new(&of.system, view);
             let mut outputs = Box::new(present.clone());
             self.observer.observe(&of.system, time, view, &belt, &mut outputs);
             outputs.energy_residual = of.energy.residual(outputs.stored_energy);

@@ -5,11 +5,11 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::variator::settings::parameters::{Axial, Cylinder, Drive, Parameters};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::table::range_of;
-use crate::variator::settings::{BEYOND, FAR, RUPTURE};
+use crate::variator::settings::{BEYOND, FAR_BEYOND_CAPACITY, RUPTURE};
 
 /// The torque that the belt transmits at given inputs while it does not slip through, and what a clamping force carries.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Demand {
+pub(crate) struct TorqueDemand {
     /// The pulley whose force it is.
     pulley: Pulley,
     /// External torques on the primary and the secondary shaft, N·m.
@@ -23,12 +23,12 @@ pub(crate) struct Demand {
     /// Torque of the belt on the primary pulley, N·m.
     torque: f64,
     /// Full slip of the pulley, seen from the primary one, N·m for each N.
-    carried_per_force: f64,
+    capacity_per_force: f64,
     /// Drag of both shafts, seen from the primary one, N·m.
     drag: f64,
 }
 
-impl Demand {
+impl TorqueDemand {
     /// The demand on the force of a pulley at a ratio and a primary speed, rad/s; none where no torque is given or no belt closes.
     pub fn new(parameters: &Parameters, inputs: &Inputs, pulley: Pulley, at: [f64; 2]) -> Option<Self> {
         let [ratio, speed] = at;
@@ -36,43 +36,43 @@ impl Demand {
         let torque = parameters.steady_torque(PerPulley::from_fn(|j| inputs.pulley(j).torque), ratio)?;
         let (radius, _) = parameters.pitch_radii(ratio)?;
         let cos_beta = parameters.geometry.wedge_angle.cos();
-        let force = parameters.closing_forces(inputs, at)[pulley];
-        let drag = |of: &crate::shaft::ShaftDrag, speed: f64| of.at(speed.abs(), [force, 0.0]).torque;
+        let force = parameters.total_clamping_forces(inputs, at)[pulley];
+        let drag = |of: &crate::shaft::ShaftDrag, speed: f64| of.loads(speed.abs(), [force, 0.0]).torque;
         Some(Self {
             pulley,
             torques: [inputs.primary.torque, inputs.secondary.torque],
             given: inputs.pulley(pulley).clamping_force,
             force,
-            name: parameters.name_of_closing(pulley),
+            name: parameters.clamping_variable(pulley),
             ratio,
             torque,
-            carried_per_force: full_slip_torque(&parameters.friction, cos_beta, 1.0, radius),
+            capacity_per_force: full_slip_torque(&parameters.friction, cos_beta, 1.0, radius),
             drag: drag(&p.drag, speed) + drag(&s.drag, speed / ratio) / ratio,
         })
     }
 
-    fn carried(&self) -> f64 {
-        self.carried_per_force * self.force
+    fn capacity(&self) -> f64 {
+        self.capacity_per_force * self.force
     }
 
-    /// Torque of the belt on the primary pulley as a share of what the force carries; 0 without torque, whatever that is.
-    pub fn share_of_capacity(&self) -> f64 {
+    /// Torque of the belt on the primary pulley as a fraction of what the force carries; 0 without torque, whatever that is.
+    pub fn utilisation(&self) -> f64 {
         if self.torque == 0.0 {
             0.0
         } else {
-            self.torque / self.carried()
+            self.torque / self.capacity()
         }
     }
 
-    /// Whether a share of the torque is beyond what the force can carry.
-    pub fn is_beyond(&self, share: f64) -> bool {
-        share * self.torque.abs() > BEYOND * self.carried() + self.drag
+    /// Whether a fraction of the torque is beyond what the force can carry.
+    pub fn is_beyond(&self, fraction: f64) -> bool {
+        fraction * self.torque.abs() > BEYOND * self.capacity() + self.drag
     }
 
     /// Whether the torque is far beyond the capacity, and a factor of 1000 explains it.
     pub fn seems_another_unit(&self) -> bool {
-        let (carried, torque) = (self.carried(), self.torque.abs());
-        self.given > 0.0 && torque > FAR * carried + self.drag && 1.0e-3 * torque <= BEYOND * carried
+        let (capacity, torque) = (self.capacity(), self.torque.abs());
+        self.given > 0.0 && torque > FAR_BEYOND_CAPACITY * capacity + self.drag && 1.0e-3 * torque <= BEYOND * capacity
     }
 
     /// The unit that is meant then: that of the force where loads are smaller than those of the default start, else that of the torques.
@@ -80,8 +80,8 @@ impl Demand {
         let (force, torque, pulley) = (self.force, self.torque.abs(), self.pulley.name());
         let usual = Inputs::default().primary;
         if force * torque < usual.clamping_force * usual.torque {
-            let carried = short(1.0e3 * self.carried());
-            return format!("is {pulley}.clampingForce in kN? {force} kN carry {carried} N·m");
+            let capacity = short(1.0e3 * self.capacity());
+            return format!("is {pulley}.clampingForce in kN? {force} kN carry {capacity} N·m");
         }
         let [torque, in_newton_metres] = [torque, 1.0e-3 * torque].map(short);
         format!("are the torques in N·mm? {torque} N·mm are {in_newton_metres} N·m")
@@ -89,17 +89,17 @@ impl Demand {
 }
 
 /// What the force carries, what the torques demand, and which force would do: the reason why there is no steady state.
-impl std::fmt::Display for Demand {
+impl std::fmt::Display for TorqueDemand {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (pulley, name, force) = (self.pulley.name(), self.name, self.force);
-        let [carried, ratio, torque] = [self.carried(), self.ratio, self.torque.abs()].map(short);
+        let [capacity, ratio, torque] = [self.capacity(), self.ratio, self.torque.abs()].map(short);
         let [primary, secondary] = self.torques.map(short);
         write!(
             f,
-            "{pulley}.{name} = {force} N carries at most {carried} N·m at ratio {ratio}, and the torques (primary {primary}, \
+            "{pulley}.{name} = {force} N carries at most {capacity} N·m at ratio {ratio}, and the torques (primary {primary}, \
              secondary {secondary} N·m) load the belt with {torque} N·m: "
         )?;
-        let least = (self.torque.abs() / self.carried_per_force).ceil();
+        let least = (self.torque.abs() / self.capacity_per_force).ceil();
         if !self.is_beyond(1.0) {
             f.write_str("a larger force, or another ratio, may have one")?;
         } else if range_of("primary.clampingForce").is_some_and(|(_, most)| least <= most) {
@@ -134,21 +134,26 @@ impl Parameters {
 
     /// Friction of the seals of a cylinder at the speed `z_dot` of its sheave, m/s; N.
     #[must_use]
-    pub fn rubbing(&self, pulley: Pulley, z_dot: f64) -> f64 {
+    pub fn seal_friction(&self, pulley: Pulley, z_dot: f64) -> f64 {
         self.pulley(pulley).cylinder.drag(z_dot, self.friction.velocity)
     }
 
     /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds, rad/s; N.
     #[inline]
-    pub fn closing(&self, inputs: &Inputs, position: PerPulley<f64>, speed: PerPulley<f64>) -> PerPulley<f64> {
+    pub fn total_clamping_forces_at(
+        &self,
+        inputs: &Inputs,
+        position: PerPulley<f64>,
+        speed: PerPulley<f64>,
+    ) -> PerPulley<f64> {
         PerPulley::from_fn(|j| {
             let cylinder = &self.pulley(j).cylinder;
-            inputs.pulley(j).force(cylinder) + cylinder.push(position[j], speed[j])
+            inputs.pulley(j).force(cylinder) + cylinder.passive_force(position[j], speed[j])
         })
     }
 
     /// The same at a ratio and a primary speed, rad/s.
-    pub(crate) fn closing_forces(&self, inputs: &Inputs, [ratio, speed]: [f64; 2]) -> PerPulley<f64> {
+    pub(crate) fn total_clamping_forces(&self, inputs: &Inputs, [ratio, speed]: [f64; 2]) -> PerPulley<f64> {
         let [at_one, here] = [1.0, ratio].map(|ratio| self.pitch_radii(ratio).unwrap_or_default());
         let place = 2.0 * self.geometry.wedge_angle.tan();
         let [primary, secondary] = [here.0 - at_one.0, here.1 - at_one.1].map(|radius| place * radius);
@@ -156,14 +161,14 @@ impl Parameters {
             primary: speed,
             secondary: speed / ratio,
         };
-        self.closing(inputs, PerPulley { primary, secondary }, speeds)
+        self.total_clamping_forces_at(inputs, PerPulley { primary, secondary }, speeds)
     }
 
-    /// The pressure that opens a pulley at a time, s, under these [closing](Self::closing) forces, N.
-    pub fn opening(&self, inputs: &Inputs, closing: PerPulley<f64>, time: f64) -> Option<String> {
-        let opens = |j: &Pulley| closing[*j] <= 0.0 && closing[*j] < inputs.pulley(*j).clamping_force;
+    /// The pressure that opens a pulley at a time, s, under these [total clamping forces](Self::total_clamping_forces_at), N.
+    pub fn opening_pressure(&self, inputs: &Inputs, clamping: PerPulley<f64>, time: f64) -> Option<String> {
+        let opens = |j: &Pulley| clamping[*j] <= 0.0 && clamping[*j] < inputs.pulley(*j).clamping_force;
         let pulley = clamped(self).find(opens)?;
-        let (name, given, total) = (pulley.name(), inputs.pulley(pulley), short(closing[pulley]));
+        let (name, given, total) = (pulley.name(), inputs.pulley(pulley), short(clamping[pulley]));
         Some(format!(
             "at {time} s {name}.pressure = {} Pa opens the {name} pulley: with clampingForce = {} N, spring and rotating oil the force on \
              its sheave is {total} N",
@@ -185,7 +190,7 @@ impl Parameters {
     }
 
     /// Name of the variable of a pulley that has this force.
-    pub(crate) fn name_of_closing(&self, pulley: Pulley) -> &'static str {
+    pub(crate) fn clamping_variable(&self, pulley: Pulley) -> &'static str {
         let is_plain = self.pulley(pulley).cylinder == Cylinder::default();
         if is_plain {
             "clampingForce"

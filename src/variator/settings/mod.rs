@@ -24,4 +24,4 @@ const RUPTURE: f64 = 0.02;
 /// more.
 const BEYOND: f64 = 1.15;
 /// Torque over the capacity from which a wrong unit explains it better than a slipping belt. A start tries no smaller share of it.
-pub(crate) const FAR: f64 = 20.0;
+pub(crate) const FAR_BEYOND_CAPACITY: f64 = 20.0;

@@ -2,13 +2,13 @@
 //! ranges are in [`table`](super::table).
 
 use crate::archive::Archive;
-pub use crate::chain::PushElements;
 pub use crate::contact::{Contact, Friction};
 pub use crate::cylinder::Cylinder;
 use crate::pulley::Pulley;
 pub use crate::ring::layers::Layers;
 pub use crate::ring::{Joints, Ring};
 pub use crate::shaft::ShaftDrag;
+pub use crate::stack::PushElements;
 pub use crate::tilt::{RIGID_TILT_STIFFNESS, Tilt};
 use crate::variator::settings::ParameterError;
 pub use crate::variator::settings::choices::{Axial, BeltKind, Drive, Mode, RingModel};
@@ -198,20 +198,24 @@ impl Parameters {
     }
 
     /// Whether the belt is a pull chain.
-    pub fn is_chain(&self) -> bool {
+    pub fn is_pull_chain(&self) -> bool {
         self.kind == BeltKind::PullChain
     }
 
     /// Distance e of the pitch line inside the ring centre line, m: 0 for a chain, whose pins touch the sheaves at its centre line.
     pub fn pitch_offset(&self) -> f64 {
-        if self.is_chain() { 0.0 } else { self.belt.pitch_offset }
+        if self.is_pull_chain() {
+            0.0
+        } else {
+            self.belt.pitch_offset
+        }
     }
 
     /// The parameters that the laws use.
     #[must_use]
     pub fn in_force(&self) -> ParametersInForce {
         let mut laws = self.clone();
-        if self.is_chain() {
+        if self.is_pull_chain() {
             laws.ring.mass_per_length += laws.belt.mass_per_length;
             (laws.belt.mass_per_length, laws.belt.play) = (0.0, 0.0);
             laws.belt.pitch_offset = self.pitch_offset();

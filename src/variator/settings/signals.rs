@@ -126,7 +126,7 @@ pub struct Losses<L = f64> {
     pub ring: L,
     pub layers: L,
     pub joints: L,
-    pub spin: L,
+    pub element_rotation: L,
     pub shafts: L,
     pub seals: L,
     pub other: L,
@@ -135,7 +135,14 @@ pub struct Losses<L = f64> {
 impl Losses {
     /// Sum of all losses, W.
     pub fn total(&self) -> f64 {
-        self.sheaves + self.ring + self.layers + self.shafts + self.other + self.spin + self.joints + self.seals
+        self.sheaves
+            + self.ring
+            + self.layers
+            + self.shafts
+            + self.other
+            + self.element_rotation
+            + self.joints
+            + self.seals
     }
 }
 

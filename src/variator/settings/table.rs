@@ -178,7 +178,7 @@ macro_rules! field {
 }
 
 /// The variables of rows.
-fn of<S, Q, const N: usize>(
+fn settings_of<S, Q, const N: usize>(
     owner: Owner,
     rows: [(Row<'static, S, Q>, Value); N],
 ) -> impl Iterator<Item = Setting<S, Q>> {
@@ -228,7 +228,7 @@ macro_rules! pulley_parameters {
 
 /// The inputs in settings `S`. The ranges are more than ten times what belts for cars transmit and are clamped with.
 pub fn inputs<S: AsRef<Inputs> + AsMut<Inputs>, Q>() -> impl Iterator<Item = Setting<S, Q>> {
-    of(PRIMARY, inputs!(primary, 50.0, 13e3)).chain(of(SECONDARY, inputs!(secondary, -49.0, 10e3)))
+    settings_of(PRIMARY, inputs!(primary, 50.0, 13e3)).chain(settings_of(SECONDARY, inputs!(secondary, -49.0, 10e3)))
 }
 
 /// The parameters in settings `S`, but for `ring.model`.
@@ -256,7 +256,7 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("belt.elementThickness", 1038, Parameter, Real("m", 1.5e-3, [1e-4, 0.1]), belt.element_thickness, "Thickness of an element"),
         // An element of 2 g and 12 mm: I = m h²/12 = 2.4e-8 as a bar, and m d² = 0.2e-8 with its centre of mass 1 mm below the rocking edge,
         // because the body below the saddle is heavier than the head. All energy of turning lost is an upper bound; half of it is the estimate.
-        row!("belt.elementInertia", 1058, Parameter, Real("kg.m2", 1.3e-8, [0.0, 1e-4]), belt.element_inertia, "Moment of inertia of an element about its rocking edge, which determines loss.spin; 0: no such loss"),
+        row!("belt.elementInertia", 1058, Parameter, Real("kg.m2", 1.3e-8, [0.0, 1e-4]), belt.element_inertia, "Moment of inertia of an element about its rocking edge, which determines loss.element_rotation; 0: no such loss"),
         row!("belt.filmThickness", 1040, Parameter, Real("m", 1.5e-6, [1e-8, 1e-4]), belt.film_thickness, "Gap between elements over which the forces of the oil decrease"),
         row!("belt.filmDamping", 1057, Parameter, Real("N.s", 9.0, [0.0, 1e3]), belt.film_damping, "Viscosity of the oily stack: force per rate of strain, twice as large where elements approach at any gap; where they separate divided by (1 + gap/belt.filmThickness)^2"),
         row!("belt.squeezeDamping", 1085, Parameter, Real("N.s", 750.0, [0.0, 1e5]), belt.squeeze_damping, "Squeeze damping: force between elements per rate of strain by oil squeezed out of a closing gap, at a gap of zero; divided by (1 + gap/belt.filmThickness)^3"),
@@ -295,8 +295,8 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("solver.maxStep", 1082, Parameter, Real("s", 1.0e-2, [1e-6, 10.0]), solver.max_step, "Longest internal step; with solver.mode = RealTime steps are 0.2 ms or shorter"),
         row!("inputs.ramp", 1083, Parameter, Real("s", 1.0e-3, [-1.0, 10.0]), solver.input_ramp, "Time over which an input that is set before a step ramps to its new value, at most that step; 0: it jumps, -1: the whole step. Inputs with a derivative follow the derivative instead"),
     ] };
-    let pulleys = of(PRIMARY, pulley_parameters!(primary)).chain(of(SECONDARY, pulley_parameters!(secondary)));
-    of(WHOLE, whole).chain(pulleys)
+    let pulleys = settings_of(PRIMARY, pulley_parameters!(primary)).chain(settings_of(SECONDARY, pulley_parameters!(secondary)));
+    settings_of(WHOLE, whole).chain(pulleys)
 }
 
 /// References to a part of settings, in which rows find their fields.

@@ -117,7 +117,7 @@ impl Parameters {
             )
         })?;
         let (play, most) = (self.belt.play, 0.1 * (length - 2.0 * PI * offset));
-        require(self.is_chain() || play <= most, "belt.play", play, || {
+        require(self.is_pull_chain() || play <= most, "belt.play", play, || {
             format!("0 to {most}, a tenth of the belt")
         })
     }

@@ -48,7 +48,7 @@ pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, 
             state.y[layout.tension(cell)] = between(coarse.tension(of), coarse.tension(of + 1));
         }
     }
-    if fine.law.is_chain() {
+    if fine.law.is_pull_chain() {
         return;
     }
     // Cells of an element share its length in the kinematic state, so contents are in proportion to its.
@@ -65,9 +65,9 @@ pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, 
 /// Element of a coarse mesh at a place `along` a cell of the `fine` mesh, and the place along it, from 0 to 1.
 fn find_element(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, along: f64) -> (usize, f64) {
     let of_fine = fine.cells_per_element;
-    let Element { segment, start, share } = fine.elements[cell / of_fine];
+    let Element { segment, start, length } = fine.elements[cell / of_fine];
     let along = ((cell % of_fine) as f64 + along) / of_fine as f64;
-    find(&coarse.elements, segment, start + share * along)
+    find(&coarse.elements, segment, start + length * along)
 }
 
 /// Cell of a coarse mesh at a place `along` a cell of the `fine` mesh, and the place along it, from 0 to 1.
@@ -89,7 +89,7 @@ fn prolong_nodes(belt: &Belt, from: &State, fine: &Belt, state: &mut State) {
         let cell = node * fine.mesh.cells_per_element;
         let (element, along) = find_element(&belt.mesh, &fine.mesh, cell, 0.0);
         let length = belt.element_length(&frame, element);
-        let shape = Hermite::<f64>::at(2.0 * along - 1.0);
+        let shape = Hermite::<f64>::new(2.0 * along - 1.0);
         for (to, of) in [(&mut state.q, &from.q), (&mut state.y, &from.y)] {
             for k in 0..fine.layout.components {
                 let [left, right] = [element, element + 1].map(|node| {

@@ -6,7 +6,7 @@
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
-use crate::solver::continuation::{Settled, Settling, Trial, settle};
+use crate::solver::continuation::{ContinuationSettings, NotSteady, Trial, continue_to_steady};
 use crate::solver::newton::Newton;
 use crate::solver::{State, View};
 use crate::variator::belt::Belt;
@@ -54,9 +54,9 @@ pub struct SteadySolver<'a> {
 }
 
 impl SteadySolver<'_> {
-    /// Finds the steady state from `state`, in place: the last one solved, with its report, if there is no steady state near by. From a
+    /// Finds the steady state from `state`, in place: the last one solved, if there is no steady state near by. From a
     /// kinematic state by way of a coarse mesh, else of a firmer clamping force, else directly, which reverse running needs.
-    pub fn solve(&mut self, state: &mut State, task: &SteadyTask) -> Result<Settled, Settled> {
+    pub fn solve(&mut self, state: &mut State, task: &SteadyTask) -> Result<(), NotSteady> {
         let own = self.system.parameters.friction.velocity;
         if task.warm {
             return self.continuation(state, task, own);
@@ -65,17 +65,17 @@ impl SteadySolver<'_> {
         if let Some(coarse) = coarser(&self.system.parameters) {
             let warm = SteadyTask { warm: true, ..*task };
             let mut outcome = self.solve_coarsely(&coarse, state, task);
-            outcome = outcome.and_then(|_| self.solve(state, &warm));
-            let pushes = PerPulley::from_fn(|pulley| self.system.pulleys().push(pulley, kinematic.view()));
-            let closing = |pulley: Pulley| task.clamping[pulley] + pushes[pulley];
-            let present = closing(task.reaction.other());
+            outcome = outcome.and_then(|()| self.solve(state, &warm));
+            let passive = PerPulley::from_fn(|pulley| self.system.pulleys().passive_force(pulley, kinematic.view()));
+            let clamping = |pulley: Pulley| task.clamping[pulley] + passive[pulley];
+            let present = clamping(task.reaction.other());
             if outcome.is_err() && 0.0 < present && present < FIRM {
                 let factor = FIRM / present;
                 state.copy_from(&kinematic);
                 // Springs and rotating oil stay as they are.
-                let clamping = PerPulley::from_fn(|pulley| factor * closing(pulley) - pushes[pulley]);
+                let clamping = PerPulley::from_fn(|pulley| factor * clamping(pulley) - passive[pulley]);
                 outcome = self.solve(state, &SteadyTask { clamping, ..*task });
-                outcome = outcome.and_then(|_| self.solve(state, &warm));
+                outcome = outcome.and_then(|()| self.solve(state, &warm));
             }
             if outcome.is_ok() {
                 return outcome;
@@ -91,11 +91,11 @@ impl SteadySolver<'_> {
         parameters: &Parameters,
         state: &mut State,
         task: &SteadyTask,
-    ) -> Result<Settled, Settled> {
+    ) -> Result<(), NotSteady> {
         let Self { system, newton } = self;
         let mut coarse = VariatorSystem::with_ring(parameters, system.belt.ring.clone());
         let speeds = system.belt.shaft_speeds(state.view());
-        let kinematic = cold_start(&coarse, task, speeds).map_err(|_| Settled::default())?;
+        let kinematic = cold_start(&coarse, task, speeds).map_err(|_| NotSteady::default())?;
         let (mut found, mut of_coarse) = (kinematic.clone(), Newton::new(&coarse));
         of_coarse.bound = newton.bound;
         let mut solver = SteadySolver {
@@ -112,10 +112,10 @@ impl SteadySolver<'_> {
     }
 
     /// Pseudo-transient continuation, with the friction velocity `velocity` at first, m/s.
-    fn continuation(&mut self, state: &mut State, task: &SteadyTask, velocity: f64) -> Result<Settled, Settled> {
+    fn continuation(&mut self, state: &mut State, task: &SteadyTask, velocity: f64) -> Result<(), NotSteady> {
         let mut control = Control::new(self.system, state, task);
         self.system.friction_velocity = velocity;
-        let outcome = self.settle(state, control.boundary(), |system, trial| {
+        let outcome = self.continue_to_steady(state, control.boundary(), |system, trial| {
             control.correct(system, trial)
         });
         self.system.friction_velocity = self.system.parameters.friction.velocity;
@@ -124,18 +124,17 @@ impl SteadySolver<'_> {
 
     /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant method
     /// on ln(force/reaction) over ln(ratio). At an end of `range`, where the sheaves are near their stops, they are released under the
-    /// clamping forces, and come to rest against a stop. Returns whether they do, or the report of the last solution.
-    pub fn balance(&mut self, state: &mut State, task: &SteadyTask, range: (f64, f64)) -> Result<bool, Settled> {
+    /// clamping forces, and come to rest against a stop. Returns whether they do.
+    pub fn balance(&mut self, state: &mut State, task: &SteadyTask, range: (f64, f64)) -> Result<bool, NotSteady> {
         let defect = |system: &VariatorSystem, state: &State| {
-            let push = system.pulleys().push(task.reaction, state.view());
+            let passive = system.pulleys().passive_force(task.reaction, state.view());
             let holding = reaction(system, state.view(), task.reaction);
-            ((task.clamping[task.reaction] + push).max(1.0) / (holding + push).max(1.0)).ln()
+            ((task.clamping[task.reaction] + passive).max(1.0) / (holding + passive).max(1.0)).ln()
         };
         let mut x = task.ratio.ln();
         let mut f = defect(self.system, state);
         // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
         let mut slope = if task.reaction == Pulley::Primary { 0.5 } else { -0.5 };
-        let mut last = Settled::default();
         for _ in 0..MOST_SOLVES {
             let balances = f.abs() < FORCE_ERROR;
             let wanted = x - f / slope;
@@ -147,7 +146,7 @@ impl SteadySolver<'_> {
                     sheave,
                     shaft: task.shaft,
                 };
-                self.settle(state, released, |_, _| Some(STEADY_TIME))?;
+                self.continue_to_steady(state, released, |_, _| Some(STEADY_TIME))?;
             }
             if is_at_end || balances {
                 let pulleys = self.system.pulleys();
@@ -165,7 +164,7 @@ impl SteadySolver<'_> {
             if let Ok(kinematic) = cold_start(self.system, &there, speeds) {
                 *state = kinematic;
             }
-            last = self.solve(state, &there)?;
+            self.solve(state, &there)?;
             let reached = defect(self.system, state);
             let secant = (reached - f) / (next - x);
             if secant * slope > 0.0 {
@@ -173,37 +172,37 @@ impl SteadySolver<'_> {
             }
             (x, f) = (next, reached);
         }
-        Err(last)
+        Err(NotSteady::default())
     }
 
     /// Settles under boundary conditions, which `control` may correct.
-    fn settle(
+    fn continue_to_steady(
         &mut self,
         state: &mut State,
         boundary: Boundary,
         control: impl FnMut(&mut VariatorSystem, &Trial<'_>) -> Option<f64>,
-    ) -> Result<Settled, Settled> {
-        let settings = Settling {
+    ) -> Result<(), NotSteady> {
+        let settings = ContinuationSettings {
             time: 0.0,
             first_step: FIRST_PSEUDO_STEP,
             last_step: STEADY_TIME,
             max_solves: MOST_SOLVES,
         };
         self.system.loads = Loads::Steady(boundary);
-        settle(self.system, self.newton, state, &settings, control)
+        continue_to_steady(self.system, self.newton, state, &settings, control)
     }
 }
 
 /// The kinematic state at a task's ratio with shafts at `speeds`, rad/s.
 fn cold_start(system: &VariatorSystem, task: &SteadyTask, speeds: PerPulley<f64>) -> Result<State, GeometryError> {
     let belt = &system.belt;
-    let pushes = system
+    let passive = system
         .parameters
-        .closing_forces(&Inputs::ZERO, [task.ratio, speeds.primary]);
+        .total_clamping_forces(&Inputs::ZERO, [task.ratio, speeds.primary]);
     let start = Start {
         ratio: task.ratio,
         primary_speed: speeds.primary,
-        clamping: PerPulley::from_fn(|pulley| task.clamping[pulley] + pushes[pulley]),
+        clamping: PerPulley::from_fn(|pulley| task.clamping[pulley] + passive[pulley]),
     };
     let mut state = kinematic_state(belt, &start)?;
     for pulley in Pulley::BOTH {
@@ -298,13 +297,13 @@ fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
 
 /// Force of clamp and pressure on a pulley that would hold its sheave where it is, N.
 pub(crate) fn reaction(system: &VariatorSystem, view: View<'_>, pulley: Pulley) -> f64 {
-    let axial = BeltDiagnostics::of(system, view).sums.axial[pulley];
+    let axial = BeltDiagnostics::new(system, view).sums.axial[pulley];
     system.pulleys().holding_force(pulley, view, axial)
 }
 
 /// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.
 pub(crate) fn geometric_ratio(system: &VariatorSystem, view: View<'_>) -> f64 {
-    BeltDiagnostics::of(system, view)
+    BeltDiagnostics::new(system, view)
         .sums
         .geometric_ratio(&system.belt, view)
 }

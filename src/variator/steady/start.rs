@@ -25,7 +25,7 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     let layout = &belt.layout;
     let mut state = State::zero(layout.len());
     let law = &belt.law;
-    let e = law.chain.pitch_offset;
+    let e = law.stack.pitch_offset;
     let (reference_ratio, radii) = radii_at_pitch_ratio(&belt.curve, e, start.ratio)?;
     let theta = ratio_of_theta(reference_ratio);
     let frame = belt.curve.frame::<f64>(theta);
@@ -47,9 +47,9 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
         state.y[layout.shaft_speed(j)] = speed / pitch[j];
     }
     let length = belt.curve.length() - TAU * e;
-    let density = 1.0 - law.chain.play / length;
+    let density = 1.0 - law.stack.play / length;
     // The pins of a chain have no unknowns of their own.
-    let cells: &[Cell] = if law.is_chain() { &[] } else { &belt.mesh.cells };
+    let cells: &[Cell] = if law.is_pull_chain() { &[] } else { &belt.mesh.cells };
     for (i, cell) in cells.iter().enumerate() {
         let ring = belt.element_length(&frame, cell.element) / layout.cells_per_element as f64;
         state.y[layout.content(i)] = density * ring * (1.0 - e * mean_curvature(belt, &frame, cell));
@@ -71,12 +71,12 @@ fn lead_across(belt: &Belt, frame: &TwoPulleyFrame<f64>, state: &mut State) {
         let (segment, x) = belt.on_curve(frame, node, belt.mesh.elements[node].start);
         let (w, slope) = match segment {
             1 | 3 => {
-                let share = if segment == 1 { x } else { 1.0 - x };
+                let fraction = if segment == 1 { x } else { 1.0 - x };
                 let length = TwoPulley::segment_length::<f64>(frame, segment).v;
                 let sign = if segment == 1 { 1.0 } else { -1.0 };
                 (
-                    middle.secondary + rise * share * share * (3.0 - 2.0 * share),
-                    sign * rise * 6.0 * share * (1.0 - share) / length,
+                    middle.secondary + rise * fraction * fraction * (3.0 - 2.0 * fraction),
+                    sign * rise * 6.0 * fraction * (1.0 - fraction) / length,
                 )
             }
             2 => (middle.primary, 0.0),

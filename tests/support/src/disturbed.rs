@@ -6,8 +6,8 @@ use std::sync::Arc;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
-use pushbelt::variator::belt_ring::{Assembly, Belt, BeltRing, InForce, ResultantDerivatives};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
+use pushbelt::variator::ring_models::{Assembly, Belt, BeltRing, InForce, ResultantDerivatives};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
@@ -204,8 +204,8 @@ pub fn assert_update_of_tangents(parameters: &Parameters, ring: &Arc<dyn BeltRin
     state.y_dot.fill(0.0);
     let of_rates = |system: &mut VariatorSystem| {
         let law = &mut Arc::make_mut(&mut system.belt).law;
-        law.chain.damping *= 3.0;
-        law.chain.film_damping *= 3.0;
+        law.stack.damping *= 3.0;
+        law.stack.film_damping *= 3.0;
         law.contact.damping *= 3.0;
         system.friction_velocity *= 2.0;
         system.parameters.friction.ring_velocity *= 2.0;

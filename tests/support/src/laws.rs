@@ -1,8 +1,8 @@
 //! For tests of the laws: the default parameters of each law, and an integral.
 
-pub use pushbelt::chain::PushElements;
 pub use pushbelt::contact::{Contact, Friction};
 pub use pushbelt::pulley::Travel;
+pub use pushbelt::stack::PushElements;
 
 use pushbelt::ring::mesh::gauss;
 use pushbelt::variator::settings::Parameters;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pushbelt::archive::Archive;
-use pushbelt::variator::belt_ring::BeltRing;
+use pushbelt::variator::ring_models::BeltRing;
 use pushbelt::variator::run::{Message, Variator};
 use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
 

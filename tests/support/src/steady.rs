@@ -5,11 +5,11 @@ use std::sync::Arc;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
-use pushbelt::variator::belt_ring::BeltRing;
 use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
 use pushbelt::variator::diagnostics::observe::Observer;
 use pushbelt::variator::pulleys::loads::ShaftMode;
+use pushbelt::variator::ring_models::BeltRing;
 use pushbelt::variator::settings::{Outputs, Parameters};
 use pushbelt::variator::steady::solve::{SteadySolver, SteadyTask};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
@@ -45,7 +45,7 @@ pub struct At {
 /// Every station around the loop.
 pub fn stations(system: &VariatorSystem, state: &State) -> Vec<At> {
     let mesh = &system.belt.mesh;
-    let diagnostics = BeltDiagnostics::of(system, state.view());
+    let diagnostics = BeltDiagnostics::new(system, state.view());
     diagnostics
         .stations(mesh)
         .map(|(cell, sample)| At {
@@ -64,7 +64,7 @@ impl Steady {
 
     /// External torques that hold the state, N·m.
     pub fn external_torques(&self) -> PerPulley<f64> {
-        let sums = BeltDiagnostics::of(&self.system, self.state.view()).sums;
+        let sums = BeltDiagnostics::new(&self.system, self.state.view()).sums;
         sums.shaft_torque.map(|torque| -torque)
     }
 
@@ -140,7 +140,7 @@ pub fn steady_with(
         panic!("no steady state of {task:?} at {speeds:?} rad/s: {report:?}");
     }
     let mut outputs = Outputs::default();
-    let diagnostics = BeltDiagnostics::of(&system, state.view());
+    let diagnostics = BeltDiagnostics::new(&system, state.view());
     Observer::default().observe(&system, 0.0, state.view(), &diagnostics, &mut outputs);
     Steady {
         system,

@@ -1,6 +1,6 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
-use super::real::{FAR, Real};
+use super::real::{EXP_CUTOFF, Real};
 use super::soft_tail::{soft_tail, to_exponent};
 use num_traits::{One, Zero};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -178,10 +178,14 @@ impl Real for Lanes {
         let per = 1.0 / delta;
         let size = Self(self.0.abs()) * per;
         // Most cells in the strands are far from the sheaves.
-        let [tail, inverse, logarithm] = if size.0.simd_gt(Pack::splat(FAR)).all() {
-            [Self::from((-FAR).exp()), Self::one(), Self::from((-FAR).exp())]
+        let [tail, inverse, logarithm] = if size.0.simd_gt(Pack::splat(EXP_CUTOFF)).all() {
+            [
+                Self::from((-EXP_CUTOFF).exp()),
+                Self::one(),
+                Self::from((-EXP_CUTOFF).exp()),
+            ]
         } else {
-            soft_tail(size.min(Self::from(FAR)), |of| {
+            soft_tail(size.min(Self::from(EXP_CUTOFF)), |of| {
                 Self::new(of.to_array().map(to_exponent))
             })
         };

@@ -4,7 +4,7 @@ use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// From there on e^−x is taken for what it is here: beside 1 it is nothing.
-pub(super) const FAR: f64 = 40.0;
+pub(super) const EXP_CUTOFF: f64 = 40.0;
 
 /// A real number that may carry derivatives along.
 pub trait Real:
@@ -134,7 +134,7 @@ impl Real for f64 {
 
     #[inline(always)]
     fn soft_plus(self, delta: f64) -> [Self; 3] {
-        let tail = (-(self.abs() / delta).min(FAR)).exp();
+        let tail = (-(self.abs() / delta).min(EXP_CUTOFF)).exp();
         let slope = (if self > 0.0 { 1.0 } else { tail }) / (1.0 + tail);
         let plus = self.max(0.0) + delta * tail.ln_1p();
         [plus, slope, slope * (1.0 - slope) / delta]

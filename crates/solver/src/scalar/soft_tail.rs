@@ -38,7 +38,7 @@ const ARTANH: [f64; 10] = [
     1.0,
 ];
 
-/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x), for 0 ≤ x ≤ [`FAR`](super::real::FAR). `to_exponents` moves the last bits of each number to its exponent.
+/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x), for 0 ≤ x ≤ [`EXP_CUTOFF`](super::real::EXP_CUTOFF). `to_exponents` moves the last bits of each number to its exponent.
 #[inline(always)]
 pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> [T; 3] {
     let shifted = x * -std::f64::consts::LOG2_E + ROUND;

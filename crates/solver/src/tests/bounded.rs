@@ -13,9 +13,9 @@ fn bounded(system: &impl System, bound: WorkBound) -> Sdirk {
 }
 
 /// So much work; a Jacobian takes that of 3 residuals, and 2 more where its geometry is new.
-fn work(left: f64) -> WorkBound {
+fn work(remaining: f64) -> WorkBound {
     WorkBound {
-        left,
+        remaining,
         jacobian: [3.0, 2.0],
         overdraft: 8.0,
         ..WorkBound::NONE
@@ -48,10 +48,14 @@ fn in_parts(more: f64, stored: bool) -> (State, u32) {
     let mut sdirk = bounded(&system, work(0.0));
     let start = state.clone();
     for open in 0..100 {
-        sdirk.newton.bound.left += more;
+        sdirk.newton.bound.remaining += more;
         let solved = sdirk.fixed_step(&mut system, &mut state, 0.0, 0.2);
         // The geometry of a Jacobian may exceed the bound too.
-        assert!(sdirk.newton.bound.left >= -8.0 - 2.0, "{}", sdirk.newton.bound.left);
+        assert!(
+            sdirk.newton.bound.remaining >= -8.0 - 2.0,
+            "{}",
+            sdirk.newton.bound.remaining
+        );
         match solved {
             Ok(()) => return (state, open),
             Err(unsolved) => assert_eq!(unsolved, Unsolved::OutOfWork),
@@ -103,7 +107,7 @@ fn a_step_without_a_solution_is_abandoned() {
     };
     let mut sdirk = bounded(&system, bound);
     for _ in 0..100 {
-        sdirk.newton.bound.left += 2.0;
+        sdirk.newton.bound.remaining += 2.0;
         match sdirk.fixed_step(&mut system, &mut state, 0.0, 0.2) {
             Err(Unsolved::OutOfWork) => {}
             outcome => {

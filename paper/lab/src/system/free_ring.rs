@@ -8,7 +8,7 @@ use pushbelt_paper::ring::model::{Coordinates, DIRECTIONS, RingFormulation};
 /// Default tolerance of the position error of a step, in units of L.
 const TOLERANCE: f64 = 1.0e-5;
 
-/// A ring without chain, contact and pulleys.
+/// A ring without stack, contact and pulleys.
 #[derive(Clone, Debug)]
 pub struct RingSystem<M, const D: usize = 2, const N: usize = DIRECTIONS> {
     /// The ring model on its mesh.

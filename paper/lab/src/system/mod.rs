@@ -1,4 +1,4 @@
-//! The ring alone, free in the plane or in space, as an implicit system: no chain, contact or pulleys (paper 5.3).
+//! The ring alone, free in the plane or in space, as an implicit system: no stack, contact or pulleys (paper 5.3).
 //!
 //! ∫ m_r Pᵀ Dv/Dt dξ + ∂V/∂q + damping = 0 (25) for any
 //! [`RingFormulation`](pushbelt_paper::ring::model::RingFormulation). Unknowns are the rates: blocks of the model

@@ -9,7 +9,7 @@ use crate::variator::settings::signals::{INPUTS, Inputs};
 
 /// Simulated time, work, and how much each input moved since the last judgement.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Pace {
+pub(super) struct RealTimeMonitor {
     simulated: f64,
     residuals: u64,
     jacobians: u64,
@@ -17,7 +17,7 @@ pub(super) struct Pace {
     given: Inputs,
 }
 
-impl Pace {
+impl RealTimeMonitor {
     /// A run that starts with these inputs.
     pub fn new(given: &Inputs) -> Self {
         Self {

@@ -1,6 +1,5 @@
 //! Arguments and results of the cell law: constants, place, motion, balance.
 
-use crate::chain::{self, Transport};
 use crate::contact::Contact;
 use crate::pulley::PerPulley;
 use crate::reference_curve::Jet;
@@ -9,14 +8,15 @@ use crate::ring::Ring;
 use crate::ring::kinematics::{Motion, ReferenceMotion};
 use crate::ring::layers::Layers;
 use crate::scalar::Real;
-use crate::variator::law::spin::spin_shares;
+use crate::stack::{self, Transport};
+use crate::variator::law::element_rotation::rotation_drag_coefficients;
 use crate::variator::mesh::belt_mesh::Station;
 
 /// Constants of the cell law.
 #[derive(Clone, Debug)]
 pub struct CellLaw {
     /// Parameters of the push elements.
-    pub chain: chain::PushElements,
+    pub stack: stack::PushElements,
     /// Parameters of the ring sets, as one beam.
     pub ring: Ring,
     /// Parameters of the ring's layers.
@@ -38,7 +38,7 @@ pub struct CellLaw {
     pub planes: PerPulley<SheavePlane>,
 }
 
-/// The middle of a pulley along z: it moves by half the closing of the movable sheave, away from that sheave.
+/// The middle of a pulley along z: it moves by half the travel of the movable sheave, away from that sheave.
 ///
 /// The movable sheaves are on opposite sides of the belt, so both middles move in the same direction when the ratio
 /// changes. Their distance changes by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β, because the radii do not change equally.
@@ -54,21 +54,21 @@ impl CellLaw {
     /// Whether the belt is a pull chain.
     #[inline(always)]
     #[must_use]
-    pub fn is_chain(&self) -> bool {
+    pub fn is_pull_chain(&self) -> bool {
         self.joints.is_some()
     }
 
-    /// [`Place::layer_drag`] and [`Place::spin`] on the arc of each pulley, the secondary first. `radii` and `wraps` are those of the
+    /// [`CellGeometry::layer_drag`] and [`CellGeometry::rotation_drag`] on the arc of each pulley, the secondary first. `radii` and `wraps` are those of the
     /// ring's arcs, m and rad.
     #[inline(always)]
     #[must_use]
     pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [[T; 2]; 2] {
-        let radii = radii.map(|radius| radius - self.chain.pitch_offset);
+        let radii = radii.map(|radius| radius - self.stack.pitch_offset);
         let layers = match self.joints {
-            Some(joints) => joints.drag_shares(radii, wraps),
-            None => self.layers.drag_shares(radii),
+            Some(joints) => joints.drag_coefficients(radii, wraps),
+            None => self.layers.drag_coefficients(radii),
         };
-        [layers, spin_shares(&self.chain, radii, wraps)]
+        [layers, rotation_drag_coefficients(&self.stack, radii, wraps)]
     }
 }
 
@@ -86,7 +86,7 @@ impl SheavePlane {
         })
     }
 
-    /// Middle of the pulley at the closing `z` of the sheave, m.
+    /// Middle of the pulley at the axial position `z` of the sheave, m.
     #[must_use]
     pub fn middle(&self, z: f64) -> f64 {
         self.middle - 0.5 * self.side * z
@@ -96,7 +96,7 @@ impl SheavePlane {
 /// Motion of a pulley: sheave, tilt, shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct PulleyMotion<T> {
-    /// Closing z of the sheave, m.
+    /// Axial position z of the sheave, m.
     pub z: T,
     /// Axial speed ż of the sheave, m/s.
     pub z_dot: T,
@@ -125,7 +125,7 @@ pub struct CellMotion<T: Real> {
 
 /// Position, value or rate of an unknown.
 #[derive(Clone, Copy, Debug)]
-pub enum Part {
+pub enum StateComponent {
     /// The position q.
     Position,
     /// The unknown y.
@@ -137,9 +137,9 @@ pub enum Part {
 impl<T: Real> CellMotion<T> {
     /// From the `unknown` of a part and a degree of freedom: V, V, N start at `own`, s, Θ at `drift`, z, ψ_x, ψ_y, ω at `sheave`.
     #[inline(always)]
-    pub fn of_unknowns([own, drift, sheave]: [usize; 3], unknown: impl Fn(Part, usize) -> T) -> Self {
-        let value = |k: usize| unknown(Part::Value, k);
-        let rate = |k: usize| unknown(Part::Rate, k);
+    pub fn of_unknowns([own, drift, sheave]: [usize; 3], unknown: impl Fn(StateComponent, usize) -> T) -> Self {
+        let value = |k: usize| unknown(StateComponent::Value, k);
+        let rate = |k: usize| unknown(StateComponent::Rate, k);
         let theta = drift + 1;
         let tilt = [sheave + 1, sheave + 2];
         Self {
@@ -148,7 +148,7 @@ impl<T: Real> CellMotion<T> {
             content: value(own + 2),
             reference: ReferenceMotion {
                 theta: Motion {
-                    value: unknown(Part::Position, theta),
+                    value: unknown(StateComponent::Position, theta),
                     rate: value(theta),
                     acceleration: rate(theta),
                 },
@@ -156,7 +156,7 @@ impl<T: Real> CellMotion<T> {
                 s_ddot: rate(drift),
             },
             pulley: PulleyMotion {
-                z: unknown(Part::Position, sheave),
+                z: unknown(StateComponent::Position, sheave),
                 z_dot: value(sheave),
                 psi: tilt.map(value),
                 psi_dot: tilt.map(rate),
@@ -216,9 +216,9 @@ pub struct CellBalance<T> {
     pub transport: Transport<T>,
 }
 
-/// Place of cells on the belt: constants of the mesh, and the element at the present Θ.
+/// Geometry of cells: constants of the mesh, and the element at the present Θ.
 #[derive(Debug)]
-pub struct Place<'a, T: Real> {
+pub struct CellGeometry<'a, T: Real> {
     /// Start and length of the element as fractions of the segment.
     pub of_segment: [T::Constant; 2],
     /// Left face. Fractions of face and stations refer to the element.
@@ -231,13 +231,13 @@ pub struct Place<'a, T: Real> {
     pub plane: [T::Constant; 2],
     /// Length of the element.
     pub length: Jet<T>,
-    /// Drag of the ring's layers, or of a chain's joints, on the nearest arc, as a share of the ring's normal load.
+    /// Drag of the ring's layers, or of a chain's joints, on the nearest arc, as a fraction of the ring's normal load.
     pub layer_drag: T,
     /// Drag of elements that start and stop turning, on the nearest arc: I/(h R² α), kg/m.
-    pub spin: T,
+    pub rotation_drag: T,
 }
 
-impl<T: Real> Place<'_, T> {
+impl<T: Real> CellGeometry<'_, T> {
     /// The face (0) or a station (1 and up).
     #[inline(always)]
     #[must_use]
@@ -249,8 +249,8 @@ impl<T: Real> Place<'_, T> {
     #[inline(always)]
     #[must_use]
     pub fn fraction(&self, at: usize) -> T::Constant {
-        let [start, share] = self.of_segment;
-        start + share * self.point(at).fraction
+        let [start, length] = self.of_segment;
+        start + length * self.point(at).fraction
     }
 }
 
@@ -262,6 +262,6 @@ pub fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
 
 /// Weight of a face in [`between`]: 0 the left one, 1 the right one.
 #[inline(always)]
-pub fn share<T: Real>(face: usize, right: T::Constant) -> T {
+pub fn face_weight<T: Real>(face: usize, right: T::Constant) -> T {
     T::constant(if face == 0 { -right + 1.0 } else { right })
 }

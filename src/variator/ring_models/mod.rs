@@ -14,9 +14,9 @@
 
 mod standard;
 
-pub use crate::chain::Transport;
 pub use crate::reference_curve::MeshCurve;
 pub use crate::ring::ale::RingDensity;
+pub use crate::stack::Transport;
 pub use crate::variator::assembly::kinds::{RingKind, nodes};
 pub use crate::variator::assembly::packed::{deflecting_equations, eulerian_equations, guided_equations};
 pub use crate::variator::assembly::transports::{Face, Transports};
@@ -28,9 +28,11 @@ pub use crate::variator::cell::balance::balance;
 pub use crate::variator::cell::degrees::{Degrees, DegreesOfFreedom};
 pub use crate::variator::cell::sample::{AtStation, Sample};
 pub use crate::variator::cell::state::{CellInput, CellPoints};
-pub use crate::variator::law::place::{CellBalance, CellLaw, CellMotion, Part, Place, PulleyMotion, SheavePlane};
+pub use crate::variator::law::arguments::{
+    CellBalance, CellGeometry, CellLaw, CellMotion, PulleyMotion, SheavePlane, StateComponent,
+};
 pub use crate::variator::mesh::belt_mesh::{BeltMesh, CELL_POINTS, Cell, CellDivision};
 pub use crate::variator::mesh::layout::Layout;
 pub use crate::variator::rings::deflecting::Deflecting;
-pub use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingForces};
+pub use crate::variator::rings::ring::{CellRing, EulerianRing, RingForces, StationLoad};
 pub use standard::{Ale, Ale0};

@@ -1,6 +1,6 @@
-//! Push elements as an Eulerian chain on finite volumes that move with the mesh.
+//! Push elements as an Eulerian continuum on finite volumes that move with the mesh.
 //!
-//! The elements are on the ring: a point of the chain is at the ring's r, and the rocking edge (pitch line) is e inside
+//! The elements are on the ring: a point of the stack is at the ring's r, and the rocking edge (pitch line) is e inside
 //! it. Pitch-line length per dξ: λ = |r'| − e κ_ref, so a closed loop without stretch has the length L − 2πe for every Θ.
 //!
 //! Generalised velocity: V, the absolute speed of the elements along the tangent t̂ at the pitch line, linear between
@@ -25,7 +25,7 @@
 //! - Oily stack: ⟨D⟩ is D where elements approach, with the width w of [`RATE_SMOOTHING`]. Where gaps close, elements that are free
 //!   meet a congested stack. In the limit that is a jump of ν and V, as in congested flow (Bouchut et al. 2000);
 //!   lubrication is its regularisation (Lefebvre-Lepot and Maury 2011). 2c = m_e c_s h,
-//!   c_s = √(k_e/m_e) = 2.7 km/s, spreads the front over √(2c g J/(f t)), g J/t the rate of closing and f some 7 N/mm of
+//!   c_s = √(k_e/m_e) = 2.7 km/s, spreads the front over √(2c g J/(f t)), g J/t the rate at which the gap closes and f some 7 N/mm of
 //!   friction. h = 5 mm, a cell of the default mesh, is a constant of the law: other meshes have the same physics.
 //! - Squeezed oil: d_s φ³ between flat faces (Reynolds). 750 N·s are those of oil of 10 mPa·s that fills 6 µm between faces of
 //!   8 by 24 mm; zero gap stands for the distance of two rough faces in contact.
@@ -40,7 +40,7 @@
 //! inertia nor history: a gap that opened is full again when it closes. Below some 1 rad/s of the pulleys no oil acts.
 //!
 //! The material rate is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q is conjugate to this shortening. The ring is thus
-//! loaded by Qκ̂ outward and the chain by −∂Q/∂ξ, and the power of Q is balanced.
+//! loaded by Qκ̂ outward and the stack by −∂Q/∂ξ, and the power of Q is balanced.
 //!
 //! A ring in space has two normals, n̂ and b̂. Every equation with n̂ holds for both, and their contributions add up.
 //!
@@ -101,9 +101,9 @@ pub const RATE_SMOOTHING: f64 = 0.3;
 /// Least squeeze damping in the width of cavitation, N·s, which is then without effect.
 const LEAST_SQUEEZE: f64 = 1.0;
 
-/// The chain at a mesh point.
+/// The stack at a mesh point.
 #[derive(Clone, Copy, Debug)]
-pub struct ChainPoint<T> {
+pub struct StackPoint<T> {
     /// λ, pitch-line length per dξ.
     pub lambda: T,
     /// 1/λ.
@@ -122,8 +122,8 @@ pub struct ChainPoint<T> {
     pub curvature: [T; 2],
 }
 
-impl<T: Real> ChainPoint<T> {
-    /// The chain on a ring point, at the element speed `speed`.
+impl<T: Real> StackPoint<T> {
+    /// The stack on a ring point, at the element speed `speed`.
     #[inline(always)]
     pub fn new<const D: usize>(pitch_offset: f64, point: &RingPoint<T, D>, theta_dot: T, speed: T) -> Self {
         let reference = &point.reference;
@@ -207,9 +207,9 @@ pub struct Acceleration<T> {
     pub passing: T,
 }
 
-/// Derivatives of a [`ChainPoint`] in a direction that does not change the reference curve.
+/// Derivatives of a [`StackPoint`] in a direction that does not change the reference curve.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ChainVariation<T> {
+pub struct StackVariation<T> {
     /// δV.
     pub speed: T,
     /// δ(t̂·ṙ).
@@ -226,20 +226,20 @@ pub struct ChainVariation<T> {
     pub curvature: [T; 2],
 }
 
-impl<T: Real + Default> ChainVariation<T> {
+impl<T: Real + Default> StackVariation<T> {
     /// The variation where V alone varies, by `speed`.
     #[inline(always)]
-    pub fn of_speed(chain: &ChainPoint<T>, speed: T) -> Self {
+    pub fn of_speed(stack: &StackPoint<T>, speed: T) -> Self {
         Self {
             speed,
             flow: speed,
-            c: speed * chain.inverse_lambda,
+            c: speed * stack.inverse_lambda,
             ..Self::default()
         }
     }
 }
 
-impl<T: Real> ChainPoint<T> {
+impl<T: Real> StackPoint<T> {
     /// The variation of the point where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
     #[inline(always)]
     pub fn vary<const D: usize>(
@@ -247,7 +247,7 @@ impl<T: Real> ChainPoint<T> {
         point: &RingPoint<T, D>,
         by: &RingVariation<T, D>,
         speed: T,
-    ) -> ChainVariation<T> {
+    ) -> StackVariation<T> {
         let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
         for k in 0..D - 1 {
             let (normal, varied) = (&point.normals[k], &by.normals[k]);
@@ -257,7 +257,7 @@ impl<T: Real> ChainPoint<T> {
         }
         let along = by.t.dot(&point.r_dot) + point.t.dot(&by.r_dot);
         let flow = speed - along;
-        ChainVariation {
+        StackVariation {
             speed,
             along,
             flow,
@@ -268,33 +268,33 @@ impl<T: Real> ChainPoint<T> {
         }
     }
 
-    /// Variation of [`ChainPoint::acceleration`]; `speed_dot` and `gradient` are the variations of V̇ and ∂V/∂ξ.
+    /// Variation of [`StackPoint::acceleration`]; `speed_dot` and `gradient` are the variations of V̇ and ∂V/∂ξ.
     #[inline(always)]
     pub fn vary_acceleration<const D: usize>(
         &self,
         point: &RingPoint<T, D>,
         base: &Acceleration<T>,
-        (by, chain): (&RingVariation<T, D>, &ChainVariation<T>),
+        (by, stack): (&RingVariation<T, D>, &StackVariation<T>),
         speed_dot: T,
         [speed_gradient, gradient]: [T; 2],
     ) -> (T, [T; 2]) {
         let c = self.c;
-        let mut along = speed_dot + chain.c * speed_gradient + c * gradient;
+        let mut along = speed_dot + stack.c * speed_gradient + c * gradient;
         let mut across = [T::zero(); 2];
         for (k, across) in across.iter_mut().enumerate().take(D - 1) {
             let (normal, varied) = (&point.normals[k], &by.normals[k]);
             let (slope_rate, omega) = (base.slope_rate[k], base.omega[k]);
             let d_slope_rate = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
             let d_omega = (d_slope_rate - slope_rate * point.inverse_stretch * by.stretch) * point.inverse_stretch
-                + chain.c * self.curvature[k]
-                + c * chain.curvature[k];
-            along -= d_omega * self.normal_speed[k] + omega * chain.normal_speed[k];
+                + stack.c * self.curvature[k]
+                + c * stack.curvature[k];
+            along -= d_omega * self.normal_speed[k] + omega * stack.normal_speed[k];
             *across = varied.dot(&point.r_ddot)
                 + normal.dot(&by.r_ddot)
-                + chain.c * slope_rate
+                + stack.c * slope_rate
                 + c * d_slope_rate
                 + d_omega * base.passing
-                + omega * (chain.speed - chain.along);
+                + omega * (stack.speed - stack.along);
         }
         (along, across)
     }
@@ -334,9 +334,9 @@ pub fn push_force<T: Real>(belt: &PushElements, [nu, rate]: [T; 2]) -> Push<T> {
     let strain = nu - 1.0;
     let [closed, contact, _] = strain.soft_plus(belt.contact_strain());
     let near = ((closed - strain) * (belt.element_thickness / belt.film_thickness) + 1.0).recip();
-    let closing = approach(rate, RATE_SMOOTHING);
+    let approaching = approach(rate, RATE_SMOOTHING);
     let squeezed = approach(rate, 2.0 * belt.suction / belt.squeeze_damping.max(LEAST_SQUEEZE));
-    let oil = (closing * 2.0 + (rate - closing) * near * near) * belt.film_damping
+    let oil = (approaching * 2.0 + (rate - approaching) * near * near) * belt.film_damping
         + squeezed * near * near * near * belt.squeeze_damping;
     let cavitating = (oil * oil * belt.suction.powi(-2) + 1.0).sqrt().recip();
     let viscous = contact * rate * (belt.push_stiffness * belt.damping) + oil.if_positive(oil, oil * cavitating);
@@ -374,12 +374,12 @@ impl<T> Transport<T> {
     }
 
     /// The quantities.
-    pub fn each(&self) -> [&T; 2] {
+    pub fn as_array(&self) -> [&T; 2] {
         [&self.flow, &self.density]
     }
 
     /// Mutable references to the quantities.
-    pub fn each_mut(&mut self) -> [&mut T; 2] {
+    pub fn as_mut_array(&mut self) -> [&mut T; 2] {
         [&mut self.flow, &mut self.density]
     }
 }

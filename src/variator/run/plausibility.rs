@@ -6,14 +6,14 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ratio_of_theta;
 use crate::variator::run::simulation::Simulation;
 use crate::variator::run::tuning::{BALANCED, BRIEF, FASTEST};
-use crate::variator::settings::capacity::{Demand, clamped, given_speed, short};
+use crate::variator::settings::capacity::{TorqueDemand, clamped, given_speed, short};
 use crate::variator::settings::parameters::Drive;
 use crate::variator::steady::solve::geometric_ratio;
 use std::f64::consts::PI;
 
 /// What was said.
 #[derive(Clone, Debug)]
-pub(super) struct Hints {
+pub(super) struct PlausibilityWarnings {
     fast: bool,
     unit: bool,
     opens: bool,
@@ -32,7 +32,7 @@ fn once(said: &mut bool, find: impl FnOnce() -> Option<String>) -> Option<String
     found
 }
 
-impl Hints {
+impl PlausibilityWarnings {
     pub const NONE: Self = Self {
         fast: false,
         unit: false,
@@ -45,7 +45,7 @@ impl Hints {
         buckled: f64::NEG_INFINITY,
     };
 
-    /// Hints for the present state that were not given before. `starts`: the run starts from it.
+    /// Warnings for the present state that were not given before. `starts`: the run starts from it.
     pub fn new_at(&mut self, simulation: &Simulation, starts: bool) -> impl Iterator<Item = String> + use<> {
         let at_start = |find: fn(&Simulation) -> Option<String>| if starts { find(simulation) } else { None };
         [
@@ -54,7 +54,7 @@ impl Hints {
             (!starts).then(|| buckling(simulation, &mut self.buckled)).flatten(),
             once(&mut self.fast, || fast_belt(simulation, starts)),
             once(&mut self.unit, || wrong_unit(simulation, &mut self.doubtful_since)),
-            once(&mut self.opens, || opening(simulation)),
+            once(&mut self.opens, || opening_pressure(simulation)),
             simulation
                 .system
                 .parameters
@@ -109,8 +109,8 @@ fn buckling(simulation: &Simulation, last: &mut f64) -> Option<String> {
     if force >= 0.0 {
         return None;
     }
-    let real = if simulation.system.belt.law.is_chain() {
-        "chain would be slack"
+    let real = if simulation.system.belt.law.is_pull_chain() {
+        "stack would be slack"
     } else {
         "push strand would buckle"
     };
@@ -128,7 +128,7 @@ fn wrong_unit(simulation: &Simulation, since: &mut f64) -> Option<String> {
     let found = clamped(parameters).find_map(|pulley| {
         let (belt, view) = (&simulation.system.belt, simulation.state.view());
         let at = [ratio_of_theta(belt.theta(view)), belt.shaft_speeds(view).primary];
-        Demand::new(parameters, &inputs, pulley, at).filter(Demand::seems_another_unit)
+        TorqueDemand::new(parameters, &inputs, pulley, at).filter(TorqueDemand::seems_another_unit)
     });
     *since = if found.is_some() {
         since.min(simulation.time)
@@ -165,11 +165,11 @@ fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
 }
 
 /// A cylinder that opens its pulley.
-fn opening(simulation: &Simulation) -> Option<String> {
+fn opening_pressure(simulation: &Simulation) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let (pulleys, view) = (simulation.system.pulleys(), simulation.state.view());
-    let closing = |j: Pulley| inputs.pulley(j).force(&parameters.pulley(j).cylinder) + pulleys.push(j, view);
-    parameters.opening(&inputs, PerPulley::from_fn(closing), simulation.time)
+    let clamping = |j: Pulley| inputs.pulley(j).force(&parameters.pulley(j).cylinder) + pulleys.passive_force(j, view);
+    parameters.opening_pressure(&inputs, PerPulley::from_fn(clamping), simulation.time)
 }
 
 /// Torques of a steady start that would balance if one of them had the other sign.

@@ -18,8 +18,8 @@
 //!
 //! The moment that turns the elements has no reaction on ring or pulleys.
 
-use crate::chain::PushElements;
 use crate::scalar::Real;
+use crate::stack::PushElements;
 
 /// Regularisation speed v₀ of |J|, m/s.
 const FLOW_SMOOTHING: f64 = 0.1;
@@ -27,7 +27,7 @@ const FLOW_SMOOTHING: f64 = 0.1;
 /// I/(h R² α) of the secondary and of the primary arc, kg/m: `radii` are the pitch radii in that order, m, `wraps` the wrap
 /// angles, rad.
 #[inline(always)]
-pub fn spin_shares<T: Real>(belt: &PushElements, radii: [T; 2], wraps: [T; 2]) -> [T; 2] {
+pub fn rotation_drag_coefficients<T: Real>(belt: &PushElements, radii: [T; 2], wraps: [T; 2]) -> [T; 2] {
     let per_thickness = belt.element_inertia / belt.element_thickness;
     let curvatures = radii.map(Real::recip);
     // One division for both.
@@ -43,11 +43,11 @@ pub fn throughput<T: Real>(nu: T, flow: T) -> T {
     nu * square * inverse
 }
 
-/// Drag of the elements per dξ, N/m, on an arc of this [share](spin_shares) and curvature `kappa`, with the
+/// Drag of the elements per dξ, N/m, on an arc of this [coefficient](rotation_drag_coefficients) and curvature `kappa`, with the
 /// [`throughput`], m/s, at the speed `speed`, m/s.
 #[inline(always)]
-pub fn spin_drag<T: Real>(share: T, kappa: T, [throughput, speed]: [T; 2]) -> T {
-    share * kappa * throughput * speed
+pub fn rotation_drag<T: Real>(coefficient: T, kappa: T, [throughput, speed]: [T; 2]) -> T {
+    coefficient * kappa * throughput * speed
 }
 
 #[cfg(test)]
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn drag_is_odd_and_smooth_and_grows_with_the_square_of_speed() {
-        let drag = |v: f64| spin_drag(1.0, 20.0, [throughput(0.99, v), v]);
+        let drag = |v: f64| rotation_drag(1.0, 20.0, [throughput(0.99, v), v]);
         for v in [1e-3, 0.1, 3.0, 40.0] {
             assert_eq!(drag(-v), -drag(v));
             assert!(drag(v) > 0.0);
