@@ -20,8 +20,8 @@ use pushbelt::ring::kinematics::{LineLoad, ReferenceMotion, RingPoint};
 use pushbelt::scalar::Real;
 use pushbelt::variator::ring_models::{
     Ale, Assembly, Belt, BeltMesh, BeltRing, CellDivision, CellGeometry, CellRing, Deflecting, Degrees,
-    DegreesOfFreedom, EulerianRing, Layout, MeshCurve, RingDensity, RingForces, RingKind, StateComponent, StationLoad,
-    eulerian_equations, nodes,
+    DegreesOfFreedom, EulerianRing, Layout, MeshCurve, RingDensity, RingForces, RingKind, StateComponent,
+    StationLoad, eulerian_equations, nodes,
 };
 use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
 use pushbelt_support::load_cases::LoadCase;
@@ -132,7 +132,9 @@ fn main() {
 /// Thrust ratio and largest ring tension of three load cases.
 fn steady_states() {
     let parameters = variator(RingModel::Ale);
-    println!("            thrust ratio: ALE, c = 0, c = {FACTOR}; largest tension, N: ALE, c = 0, c = {FACTOR}");
+    println!(
+        "            thrust ratio: ALE, c = 0, c = {FACTOR}; largest tension, N: ALE, c = 0, c = {FACTOR}"
+    );
     for case in LoadCase::three(&parameters, 50.0) {
         let rings: [Arc<dyn BeltRing>; 3] = [
             Arc::new(Ale::<2>),
@@ -151,14 +153,21 @@ fn steady_states() {
             (off / ale - 1.0).abs() < 1e-6,
             "without stiffening it is not ALE: {off} {ale}"
         );
-        assert!((on / ale - 1.0).abs() > 1e-5, "stiffening has no effect: {on} {ale}");
+        assert!(
+            (on / ale - 1.0).abs() > 1e-5,
+            "stiffening has no effect: {on} {ale}"
+        );
     }
 }
 
 /// Energy balance of a shift, in which Θ moves: the forces of the law are the gradient of its energy.
 fn shift() {
     let ring = Arc::new(Stiffening { factor: FACTOR });
-    let mut run = Run::with_ring(variator(RingModel::Ale), ring, inputs((20.0, 12e3), (-20.0, 10e3)));
+    let mut run = Run::with_ring(
+        variator(RingModel::Ale),
+        ring,
+        inputs((20.0, 12e3), (-20.0, 10e3)),
+    );
     run.inputs.primary.clamping_force = 16e3;
     let outputs = run.go(0.05, 1e-3);
     println!(

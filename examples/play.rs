@@ -216,7 +216,8 @@ fn swing(change: fn(&mut Parameters), point: &Point) -> Result<Swing, Box<dyn Er
     })
 }
 
-const HEADER: &str = "| changed | slip, least | most | steps | Jacobians | fastest growth |\n|---|---|---|---|---|---|";
+const HEADER: &str =
+    "| changed | slip, least | most | steps | Jacobians | fastest growth |\n|---|---|---|---|---|---|";
 
 fn run(point: &Point, name: &str, change: fn(&mut Parameters)) -> Result<Gaps, Box<dyn Error>> {
     let found = swing(change, point)?;

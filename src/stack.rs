@@ -285,7 +285,8 @@ impl<T: Real> StackPoint<T> {
             let (normal, varied) = (&point.normals[k], &by.normals[k]);
             let (slope_rate, omega) = (base.slope_rate[k], base.omega[k]);
             let d_slope_rate = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
-            let d_omega = (d_slope_rate - slope_rate * point.inverse_stretch * by.stretch) * point.inverse_stretch
+            let d_omega = (d_slope_rate - slope_rate * point.inverse_stretch * by.stretch)
+                * point.inverse_stretch
                 + stack.c * self.curvature[k]
                 + c * stack.curvature[k];
             along -= d_omega * self.normal_speed[k] + omega * stack.normal_speed[k];
@@ -339,7 +340,8 @@ pub fn push_force<T: Real>(belt: &PushElements, [nu, rate]: [T; 2]) -> Push<T> {
     let oil = (approaching * 2.0 + (rate - approaching) * near * near) * belt.film_damping
         + squeezed * near * near * near * belt.squeeze_damping;
     let cavitating = (oil * oil * belt.suction.powi(-2) + 1.0).sqrt().recip();
-    let viscous = contact * rate * (belt.push_stiffness * belt.damping) + oil.if_positive(oil, oil * cavitating);
+    let viscous =
+        contact * rate * (belt.push_stiffness * belt.damping) + oil.if_positive(oil, oil * cavitating);
     Push {
         force: closed * belt.push_stiffness + viscous,
         viscous,

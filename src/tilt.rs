@@ -79,8 +79,13 @@ impl Tilt {
         if self.clearance == 0.0 {
             return 0.5 * self.stiffness * square;
         }
-        let stored =
-            |amplitude: f64| smooth_plus_energy(amplitude - self.clearance, BEARING * self.clearance, self.clearance);
+        let stored = |amplitude: f64| {
+            smooth_plus_energy(
+                amplitude - self.clearance,
+                BEARING * self.clearance,
+                self.clearance,
+            )
+        };
         let beyond = stored(self.amplitude(psi)) - stored(ROUNDING * self.clearance);
         self.stiffness * (0.5 * SOFT * square + (1.0 - SOFT) * beyond)
     }

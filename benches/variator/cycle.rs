@@ -103,7 +103,8 @@ fn ride(mut parameters: Parameters) -> Ride {
     inputs.secondary.clamping_force = 8e3;
     let start = ThreadTime::now();
     variator.initialise(0.0, &inputs).expect("a start");
-    let (mut target, mut integral, mut sum, mut most, mut moving, mut slipping) = (2.2_f64, 0.0, 0.0, 0.0_f64, 0, 0);
+    let (mut target, mut integral, mut sum, mut most, mut moving, mut slipping) =
+        (2.2_f64, 0.0, 0.0, 0.0_f64, 0, 0);
     let steps = (END / STEP).round() as usize;
     for k in 0..steps {
         let time = k as f64 * STEP;
@@ -162,7 +163,11 @@ pub fn rides(table: &mut Table) {
         } = ride(parameters);
         table.row(
             &format!("1800 s like a WLTC, steps of 10 ms, {name}"),
-            format!("{seconds:.1} s, {:.1} x real time, {}", END / seconds, text(&counts)),
+            format!(
+                "{seconds:.1} s, {:.1} x real time, {}",
+                END / seconds,
+                text(&counts)
+            ),
             json!({"seconds": seconds, "real_time_factor": END / seconds, "counts": numbers(&counts)}),
         );
         table.row(

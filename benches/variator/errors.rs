@@ -27,7 +27,10 @@ pub fn of_steady_states(table: &mut Table, model: RingModel, found: &[Option<f64
 }
 
 fn thrust_ratio_row(table: &mut Table, ring: &str, (found, fine): (&[Option<f64>], &[Option<f64>])) {
-    let both = found.iter().zip(fine).filter_map(|(a, b)| Some((*a)? / (*b)? - 1.0));
+    let both = found
+        .iter()
+        .zip(fine)
+        .filter_map(|(a, b)| Some((*a)? / (*b)? - 1.0));
     let (count, largest) = both.fold((0, 0.0_f64), |(n, most), error| (n + 1, most.max(error.abs())));
     table.row(
         &format!("  their largest error of the thrust ratio, {ring}"),
@@ -114,7 +117,12 @@ pub fn of_manoeuvre(table: &mut Table, model: RingModel, trace: &[Inputs]) {
 }
 
 /// A row of root mean squares and largest differences.
-fn ladder_row(table: &mut Table, reads: &[(&str, Read)], (found, exact): (&[Vec<f64>], &[Vec<f64>]), name: &str) {
+fn ladder_row(
+    table: &mut Table,
+    reads: &[(&str, Read)],
+    (found, exact): (&[Vec<f64>], &[Vec<f64>]),
+    name: &str,
+) {
     let errors: Vec<(&str, [f64; 2])> = reads
         .iter()
         .enumerate()
@@ -134,7 +142,10 @@ fn ladder_row(table: &mut Table, reads: &[(&str, Read)], (found, exact): (&[Vec<
 /// Differences of a column as shares of the range that it should have.
 fn off(found: &[Vec<f64>], exact: &[Vec<f64>], k: usize) -> impl Iterator<Item = f64> {
     let range = range(exact, k);
-    found.iter().zip(exact).map(move |(a, b)| (a[k] - b[k]).abs() / range)
+    found
+        .iter()
+        .zip(exact)
+        .map(move |(a, b)| (a[k] - b[k]).abs() / range)
 }
 
 fn range(rows: &[Vec<f64>], k: usize) -> f64 {

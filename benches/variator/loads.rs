@@ -36,7 +36,12 @@ pub fn rings() -> [(&'static str, Parameters); 3] {
     ]
 }
 
-fn row(table: &mut Table, (load, ratio): (LoadHistory, f64), (ring, parameters): (&str, Parameters), seconds: f64) {
+fn row(
+    table: &mut Table,
+    (load, ratio): (LoadHistory, f64),
+    (ring, parameters): (&str, Parameters),
+    seconds: f64,
+) {
     let shape = if parameters.solver.input_ramp == 0.0 {
         "jumping"
     } else {

@@ -168,7 +168,11 @@ impl Flanks {
             load.tilting += around * (axial * touch.rho);
             let stiff = (touch.damping + touch.stiffness * dt) * cos_beta + touch.drag * sin_beta * sin_beta;
             let stiff = stiff * touch.rho * touch.rho;
-            let squares = [around.re * around.re, around.re * around.im, around.im * around.im];
+            let squares = [
+                around.re * around.re,
+                around.re * around.im,
+                around.im * around.im,
+            ];
             for (sum, part) in load.resistance.iter_mut().zip(squares) {
                 *sum += stiff * part;
             }
@@ -177,7 +181,8 @@ impl Flanks {
             load.weight[0] += touch.elastic;
             load.weight[1] += touch.elastic * touch.rho;
             load.friction -= 2.0 * (tangential * motion.tangential + flank * motion.along_flank);
-            load.viscous += 2.0 * touch.damping * cos_beta * motion.penetration_rate * motion.penetration_rate;
+            load.viscous +=
+                2.0 * touch.damping * cos_beta * motion.penetration_rate * motion.penetration_rate;
         }
         loads
     }

@@ -69,7 +69,11 @@ fn main() -> ExitCode {
             failed = true;
         }
     }
-    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+    if failed {
+        ExitCode::FAILURE
+    } else {
+        ExitCode::SUCCESS
+    }
 }
 
 fn case(arguments: &Arguments, name: &str) -> Result<Case, Box<dyn Error>> {
@@ -99,7 +103,12 @@ fn case(arguments: &Arguments, name: &str) -> Result<Case, Box<dyn Error>> {
 /// Runs a case, or what is left of it.
 fn one(arguments: &Arguments, name: &str) -> Result<(), Box<dyn Error>> {
     let case = case(arguments, name)?;
-    let results = |name: &str| arguments.results.clone().unwrap_or_else(|| arguments.output.join(name));
+    let results = |name: &str| {
+        arguments
+            .results
+            .clone()
+            .unwrap_or_else(|| arguments.output.join(name))
+    };
     if arguments.continuum {
         for model in continuum::MODELS {
             let name = format!("{},{}", case.name, model.0);
@@ -161,7 +170,11 @@ fn progress(run: &Run, steps_per_second: f64) {
     let (time, percent) = (machine.time, 100.0 * machine.time / duration);
     let speed = steps_per_second * machine.law.count as f64;
     let left = (duration - time) / machine.dt / steps_per_second;
-    let last = if std::io::stderr().is_terminal() { "\r" } else { "\n" };
+    let last = if std::io::stderr().is_terminal() {
+        "\r"
+    } else {
+        "\n"
+    };
     eprint!("{} {percent:3.0} %, {time:.4} s, ", run.case.name);
     eprint!("{speed:.2e} element steps a second, {left:.0} s left   {last}");
     let _ = std::io::stderr().flush();

@@ -357,7 +357,11 @@ impl Run {
         let upper = mean(0.5 * s, 0.5 * (s + strand));
         let lower = mean(0.5 * (s + strand) + p, 0.5 * s + strand + p);
         let limit = IDLE_CHANGE * (upper - lower).abs();
-        [(0, lower, 0.5 * s + strand + p, s), (1, upper, 0.5 * (s + strand), p)].map(|(j, entry, from, arc)| {
+        [
+            (0, lower, 0.5 * s + strand + p, s),
+            (1, upper, 0.5 * (s + strand), p),
+        ]
+        .map(|(j, entry, from, arc)| {
             let first = (from / per_place).ceil();
             let change = |k: usize| (push(first as usize + k) - entry).abs();
             let mut places = 0..(arc / per_place) as usize;

@@ -70,7 +70,11 @@ fn bad_input_is_one_line_and_no_run() {
         ("medium-0.4", "--step=1", "step"),
         ("medium-0.4", "--film=0", "film"),
     ] {
-        let words = if word.is_empty() { vec![name] } else { vec![name, word] };
+        let words = if word.is_empty() {
+            vec![name]
+        } else {
+            vec![name, word]
+        };
         let (output, errors) = run(&place, &words);
         assert!(
             !output.status.success() && errors.contains(expected),
@@ -84,7 +88,15 @@ fn bad_input_is_one_line_and_no_run() {
 #[test]
 fn a_failure_keeps_the_results_so_far() {
     let place = folder("fails");
-    let words = ["medium-0.4", "--duration", "0.05", "--step", "5e-5", "--store", "20"];
+    let words = [
+        "medium-0.4",
+        "--duration",
+        "0.05",
+        "--step",
+        "5e-5",
+        "--store",
+        "20",
+    ];
     let (output, errors) = run(&place, &words);
     let last = errors.lines().last().unwrap();
     assert!(

@@ -9,7 +9,9 @@ use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
 use crate::platform::Version;
-use crate::workspace::{LIBRARY_PACKAGE, MAP_PACKAGE, MODEL_PACKAGE, PAPER_LIBRARY_PACKAGE, PAPER_PACKAGE, Workspace};
+use crate::workspace::{
+    LIBRARY_PACKAGE, MAP_PACKAGE, MODEL_PACKAGE, PAPER_LIBRARY_PACKAGE, PAPER_PACKAGE, Workspace,
+};
 
 /// A cargo command at the top level of the workspace, with the cargo that started this tool.
 pub fn command(workspace: &Workspace) -> Command {
@@ -42,7 +44,9 @@ pub fn clear_own(command: &mut Command) {
 /// It can't be started, or reports a failure.
 pub fn run(command: &mut Command) -> anyhow::Result<()> {
     let line = shown(command);
-    let status = command.status().with_context(|| format!("can't start `{line}`"))?;
+    let status = command
+        .status()
+        .with_context(|| format!("can't start `{line}`"))?;
     if !status.success() {
         bail!("`{line}` failed ({status})");
     }
@@ -67,7 +71,11 @@ pub const ELEMENTS: Program = ["pushbelt-elements", "--bin", "pushbelt-elements"
 /// # Errors
 /// The compilation fails.
 pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
-    compile_library(release(workspace, LIBRARY_PACKAGE).arg("--lib"), LIBRARY_PACKAGE, drop)
+    compile_library(
+        release(workspace, LIBRARY_PACKAGE).arg("--lib"),
+        LIBRARY_PACKAGE,
+        drop,
+    )
 }
 
 /// Compiles the model's shared library with a command that replaces `cargo build`, and returns its path.
@@ -111,13 +119,17 @@ fn build_other(workspace: &Workspace, package: &str) -> anyhow::Result<(PathBuf,
     let library = compile_library(build.args(["--lib", "--bins"]), package, |artifact| {
         program = artifact.executable
     })?;
-    let program =
-        program.with_context(|| format!("cargo built no program that prints the description of {package}"))?;
+    let program = program
+        .with_context(|| format!("cargo built no program that prints the description of {package}"))?;
     Ok((library, program))
 }
 
 /// Compiles the shared library of a package and returns its path. What else is built goes to `others`.
-fn compile_library(build: &mut Command, package: &str, mut others: impl FnMut(Artifact)) -> anyhow::Result<PathBuf> {
+fn compile_library(
+    build: &mut Command,
+    package: &str,
+    mut others: impl FnMut(Artifact),
+) -> anyhow::Result<PathBuf> {
     let mut library = None;
     compile(build, |artifact| {
         if artifact.name == package.replace('-', "_") {
@@ -199,7 +211,10 @@ impl Artifact {
         let name = message["target"]["name"].as_str();
         Ok(Some(Self {
             name: name.context("cargo names no target")?.to_owned(),
-            files: texts(&message["filenames"]).into_iter().map(PathBuf::from).collect(),
+            files: texts(&message["filenames"])
+                .into_iter()
+                .map(PathBuf::from)
+                .collect(),
             executable: message["executable"].as_str().map(PathBuf::from),
             fresh: message["fresh"].as_bool().unwrap_or_default(),
         }))
@@ -282,7 +297,11 @@ mod tests {
             .args(tree)
             .output();
         let output = output.expect("cargo starts");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
         String::from_utf8(output.stdout)
             .unwrap()
             .lines()
@@ -293,7 +312,10 @@ mod tests {
     #[test]
     fn development_dependencies_change_no_feature_of_the_library() {
         let workspace = Workspace::find().expect("the workspace");
-        let alone = features(&workspace, &["--package", MODEL_PACKAGE, "--edges", "normal,build"]);
+        let alone = features(
+            &workspace,
+            &["--package", MODEL_PACKAGE, "--edges", "normal,build"],
+        );
         let tests = ["--workspace", "--exclude", env!("CARGO_PKG_NAME")];
         let beside = features(&workspace, &tests);
         assert!(alone.len() > 20, "{alone:?}");

@@ -39,7 +39,12 @@ pub fn third_party(metadata: &Value) -> anyhow::Result<String> {
 
     for (text, users) in texts {
         let users = users.into_iter().collect::<Vec<_>>().join(", ");
-        write!(summary, "\n{}\n{users}\n{}\n\n{text}\n", "=".repeat(78), "-".repeat(78))?;
+        write!(
+            summary,
+            "\n{}\n{users}\n{}\n\n{text}\n",
+            "=".repeat(78),
+            "-".repeat(78)
+        )?;
     }
     Ok(summary)
 }
@@ -82,7 +87,8 @@ fn linked(metadata: &Value) -> anyhow::Result<Vec<&Value>> {
             let normal = items(dependency, "dep_kinds").any(|kind| kind["kind"].is_null());
             let id = text(dependency, "pkg").context("a dependency has a package")?;
             let package = *packages.get(id).with_context(|| format!("{id} is no package"))?;
-            let macros = items(package, "targets").any(|target| items(target, "kind").any(|kind| kind == "proc-macro"));
+            let macros = items(package, "targets")
+                .any(|target| items(target, "kind").any(|kind| kind == "proc-macro"));
             if normal && !macros && seen.insert(id) {
                 found.push(package);
                 open.push(id);
@@ -94,15 +100,17 @@ fn linked(metadata: &Value) -> anyhow::Result<Vec<&Value>> {
 
 fn license_texts(package: &Value) -> anyhow::Result<Vec<String>> {
     let manifest = text(package, "manifest_path").map(Path::new);
-    let folder = manifest.and_then(Path::parent).context("a package has a folder")?;
+    let folder = manifest
+        .and_then(Path::parent)
+        .context("a package has a folder")?;
     let mut texts = Vec::new();
     for entry in fs::read_dir(folder).with_context(|| format!("can't read {}", folder.display()))? {
         let entry = entry?;
         let name = entry.file_name().to_string_lossy().to_uppercase();
         let names = ["LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE"];
         if names.iter().any(|start| name.starts_with(start)) && entry.path().is_file() {
-            let text =
-                fs::read_to_string(entry.path()).with_context(|| format!("can't read {}", entry.path().display()))?;
+            let text = fs::read_to_string(entry.path())
+                .with_context(|| format!("can't read {}", entry.path().display()))?;
             texts.push(text.replace("\r\n", "\n").trim_end().to_owned());
         }
     }

@@ -52,7 +52,13 @@ pub const PACKING: Packages = Packages {
 };
 
 /// Folders of the source tree with Python packages.
-const SOURCES: [&str; 5] = ["python", "validation", "paper/python", "examples/cosim", "benches"];
+const SOURCES: [&str; 5] = [
+    "python",
+    "validation",
+    "paper/python",
+    "examples/cosim",
+    "benches",
+];
 
 /// A copy of the lock file in the environment lists its installed packages. It is written last, so that an interrupted
 /// installation has none.
@@ -90,7 +96,10 @@ impl Environment {
         if installed.is_some() && (installed.as_ref() == Some(&wanted) || installed == wider) {
             return Ok(environment);
         }
-        progress::headline(&format!("Installing Python packages in target/{}", packages.folder));
+        progress::headline(&format!(
+            "Installing Python packages in target/{}",
+            packages.folder
+        ));
         // What the demo has installed stays. Otherwise the environment has packages that the lock file no longer names.
         if packages.lock == RUNNING.lock && installed == Some(read(DEMO.lock)?) {
             fs::remove_file(&stamp).with_context(|| format!("can't remove {}", stamp.display()))?;
@@ -150,7 +159,9 @@ fn create(python: &OsString, folder: &Path) -> anyhow::Result<()> {
     let made = Command::new(python).args(["-m", "venv"]).arg(folder).output();
     shown_if_failed(made, || {
         let python = python.to_string_lossy();
-        format!("{python} can't create a virtual environment (on Debian and Ubuntu: apt install python3-venv)")
+        format!(
+            "{python} can't create a virtual environment (on Debian and Ubuntu: apt install python3-venv)"
+        )
     })
 }
 
@@ -185,7 +196,9 @@ fn find_interpreter() -> anyhow::Result<OsString> {
         "python3.11",
         "python3.10",
     ];
-    let candidates = std::env::var_os("PYTHON").into_iter().chain(names.map(OsString::from));
+    let candidates = std::env::var_os("PYTHON")
+        .into_iter()
+        .chain(names.map(OsString::from));
     for candidate in candidates {
         if let Some((major, minor)) = version(&candidate) {
             if (major, minor) >= OLDEST {

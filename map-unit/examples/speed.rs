@@ -18,7 +18,10 @@ fn main() {
     // Shafts as heavy as an engine and a car.
     let of = &mut settings.parameters;
     (of.primary.inertia, of.secondary.inertia) = (0.15, 8.0);
-    for (name, slope) in [("inputs as ramps", true), ("inputs held, reached within 1 ms", false)] {
+    for (name, slope) in [
+        ("inputs as ramps", true),
+        ("inputs held, reached within 1 ms", false),
+    ] {
         let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
         let (mut settings, mut rates) = (settings.clone(), settings.clone());
         rates.inputs = Inputs::ZERO;
@@ -31,10 +34,14 @@ fn main() {
             given.primary.torque = 40.0 + 30.0 * phase.sin();
             given.secondary.torque = -40.0 * speed * speed.abs();
             given.primary.clamping_force = 13.5e3 + 2e3 * (0.3 * phase).sin();
-            (rate.primary.torque, rate.primary.clamping_force) = (60.0 * phase.cos(), 1.2e3 * (0.3 * phase).cos());
+            (rate.primary.torque, rate.primary.clamping_force) =
+                (60.0 * phase.cos(), 1.2e3 * (0.3 * phase).cos());
             (rate.secondary.torque, rate.secondary.clamping_force) = (1e-3, 1e-3);
-            let mut step = unit.begin(to, &settings, slope.then_some(&rates)).expect("a step");
-            unit.advance(to, &mut step, &settings, &mut Vec::new()).expect("a step");
+            let mut step = unit
+                .begin(to, &settings, slope.then_some(&rates))
+                .expect("a step");
+            unit.advance(to, &mut step, &settings, &mut Vec::new())
+                .expect("a step");
             let readings = unit.readings(false);
             sum += readings.outputs.slip;
             outside |= readings.outside;

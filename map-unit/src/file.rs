@@ -48,7 +48,8 @@ impl Tables {
 
     /// The tables in the content of a file, without byte-order mark.
     pub fn of_bytes(bytes: &[u8]) -> Result<Self, String> {
-        let document: Value = serde_json::from_slice(bytes).map_err(|error| format!("it is not JSON: {error}"))?;
+        let document: Value =
+            serde_json::from_slice(bytes).map_err(|error| format!("it is not JSON: {error}"))?;
         if document["format"] != FORMAT || document["version"] != VERSION {
             return Err(format!("it is not of the format {FORMAT:?} in version {VERSION}"));
         }
@@ -57,13 +58,15 @@ impl Tables {
         let (ratios, utilisation) = (axis("ratio", [0.01, 100.0])?, axis("utilisation", UTILISATION)?);
         let (share, excess) = (axis("slipShare", [-1.0, 1.0])?, axis("excess", [-100.0, 100.0])?);
         let shift_utilisations = axis("shiftUtilisation", UTILISATION)?;
-        if axis("direction", [-1.0, 1.0])? != [-1.0, 1.0] || share[0] != -1.0 || share[share.len() - 1] != 1.0 {
+        if axis("direction", [-1.0, 1.0])? != [-1.0, 1.0] || share[0] != -1.0 || share[share.len() - 1] != 1.0
+        {
             return Err("it is damaged: the axes direction and slipShare must end with -1 and 1".to_owned());
         }
         let (lines, rates) = (forces.len() * speeds.len(), shift_utilisations.len());
         // Before memory is taken: a file of few numbers may have many refined ones.
         let wide = |axis: &[f64], fine: usize| axis.len().max(fine);
-        let row = 3 * wide(&utilisation, UTILISATIONS) + wide(&share, SHARES) + rates * wide(&excess, EXCESSES) + 4;
+        let row =
+            3 * wide(&utilisation, UTILISATIONS) + wide(&share, SHARES) + rates * wide(&excess, EXCESSES) + 4;
         let most = lines as f64 * wide(&ratios, RATIOS) as f64 * row as f64;
         if most > MOST_VALUES {
             return Err(format!(
@@ -127,14 +130,27 @@ impl File<'_> {
     fn capacities(&self, name: &str, least: f64, most: f64) -> Result<[Vec<f64>; 2], String> {
         let values = self.numbers(name, 2, [-most, most])?;
         let of = |at: usize| values.iter().skip(at).step_by(2).copied().collect::<Vec<_>>();
-        check_range(&format!("the table {name} in direction -1"), &of(0), [-most, -least])?;
+        check_range(
+            &format!("the table {name} in direction -1"),
+            &of(0),
+            [-most, -least],
+        )?;
         check_range(&format!("the table {name} in direction 1"), &of(1), [least, most])?;
         Ok([of(0), of(1)])
     }
 
     /// Tables with so many rows for each force, speed and ratio, refined along the rows and along the ratio.
-    fn refined<const N: usize>(&self, rows: usize, tables: [Vec<f64>; N], along: &[f64], count: usize) -> Table<N> {
-        let (axis, ratios) = (UniformAxis::over(along, count), UniformAxis::over(&self.ratios, RATIOS));
+    fn refined<const N: usize>(
+        &self,
+        rows: usize,
+        tables: [Vec<f64>; N],
+        along: &[f64],
+        count: usize,
+    ) -> Table<N> {
+        let (axis, ratios) = (
+            UniformAxis::over(along, count),
+            UniformAxis::over(&self.ratios, RATIOS),
+        );
         let tables = tables.map(|values| {
             let values = resampled(along, &values, 1, axis.places());
             resampled(&self.ratios, &values, rows * axis.count, ratios.places())
@@ -145,10 +161,19 @@ impl File<'_> {
     }
 
     /// The same for a table whose rows rise.
-    fn rising(&self, name: &str, rows: usize, range: Range, along: &[f64], count: usize) -> Result<Table<1>, String> {
+    fn rising(
+        &self,
+        name: &str,
+        rows: usize,
+        range: Range,
+        along: &[f64],
+        count: usize,
+    ) -> Result<Table<1>, String> {
         let values = self.numbers(name, rows * along.len(), range)?;
         if !values.chunks(along.len()).all(|row| row.is_sorted()) {
-            return Err(format!("it is damaged: the table {name} falls along its last axis"));
+            return Err(format!(
+                "it is damaged: the table {name} falls along its last axis"
+            ));
         }
         // The refinement along the ratio leaves the rows only nearly rising.
         let mut sheet = self.refined(rows, [values], along, count);
@@ -180,7 +205,9 @@ fn axis(document: &Value, name: &str, range: Range) -> Result<Vec<f64>, String> 
     let values = flat(&document["axes"][name]["values"]);
     check_range(&format!("the axis {name}"), &values, range)?;
     let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    let ascends = values.windows(2).all(|pair| pair[1] - pair[0] >= LEAST_STEP * largest);
+    let ascends = values
+        .windows(2)
+        .all(|pair| pair[1] - pair[0] >= LEAST_STEP * largest);
     if values.is_empty() || !ascends {
         return Err(format!(
             "it is damaged: the axis {name} is missing or does not ascend by at least {LEAST_STEP:e} of its largest value"

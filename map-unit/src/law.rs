@@ -92,7 +92,11 @@ impl Point {
 
     /// Whether the slip is beyond that at capacity: the belt slips through.
     pub fn macro_slip(&self) -> bool {
-        let sliding = if self.ahead >= 0.5 { self.sliding } else { -self.sliding };
+        let sliding = if self.ahead >= 0.5 {
+            self.sliding
+        } else {
+            -self.sliding
+        };
         let [_, limit] = self.limits(sliding);
         (sliding / limit).abs() > 1.0
     }
@@ -135,7 +139,9 @@ impl Law {
         let (least, most) = parameters.ratio_range();
         // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
         // pulleys too.
-        let (true, [Some(low), Some(high)]) = (least < most, [least, most].map(|at| parameters.pitch_radii(at))) else {
+        let (true, [Some(low), Some(high)]) =
+            (least < most, [least, most].map(|at| parameters.pitch_radii(at)))
+        else {
             return Err("the radii at the end stops leave no range of ratios".to_owned());
         };
         let stops = [low, high].map(|(primary, secondary)| (secondary / primary).ln());
@@ -172,7 +178,9 @@ impl Law {
 
     /// What acts in a state under these inputs, and what the tables give there.
     pub fn point(&self, state: &State, inputs: &Inputs) -> Point {
-        let Parameters { friction, geometry, .. } = &*self.parameters;
+        let Parameters {
+            friction, geometry, ..
+        } = &*self.parameters;
         let radii = self.radii(state.log_ratio);
         let (radius, _) = radii.primary;
         let positions = radii.map(|(radius, _)| self.way * (radius - self.at_one));
@@ -262,7 +270,10 @@ impl Law {
             let holding = point.thrust_ratio * secondary;
             let excess = (primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
             let (rate, gain) = self.tables.shift_rate(&point.place, point.forward, excess);
-            (-speed * rate, speed * (gain * point.thrust_slope / point.thrust_ratio))
+            (
+                -speed * rate,
+                speed * (gain * point.thrust_slope / point.thrust_ratio),
+            )
         };
         let free = under(PerPulley::default());
         if Pulley::BOTH.map(|j| self.parameters.pulley(j).cylinder.seal) == [0.0; 2] {

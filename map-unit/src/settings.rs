@@ -33,7 +33,8 @@ const WHOLE: &str = "thrustRatio belt.speed ratio.speed ratio.geometric slip eff
                      initial.steady initial.equilibrium initial.strict friction.pulley inputs.ramp";
 
 /// Variables that a pulley of the detailed unit has and one of maps has not.
-const NOT_OF_PULLEY: &str = "position tilt idleArc sheaveMass sheaveDamping tiltStiffness tiltClearance tiltTime";
+const NOT_OF_PULLEY: &str =
+    "position tilt idleArc sheaveMass sheaveDamping tiltStiffness tiltClearance tiltTime";
 
 /// Description of a variable, of a pulley without its name, where that of the detailed unit does not hold; `{}` stands for the pulley.
 #[rustfmt::skip]
@@ -69,12 +70,16 @@ pub fn table() -> Table<Settings, Readings> {
         }
         of_maps.then_some(variable)
     };
-    let mut variables: Vec<_> = shared_variables(Vec::new()).into_iter().filter_map(of_maps).collect();
+    let mut variables: Vec<_> = shared_variables(Vec::new())
+        .into_iter()
+        .filter_map(of_maps)
+        .collect();
     variables.push(Variable {
         name: "map.outside".to_owned(),
         reference: 90,
-        description: "True if ratio, speed or force is beyond the tables, whose values at the border are used"
-            .to_owned(),
+        description:
+            "True if ratio, speed or force is beyond the tables, whose values at the border are used"
+                .to_owned(),
         causality: Causality::Output,
         kind: Kind::Boolean {
             access: Access::Reading(|readings: &Readings| readings.outside),

@@ -42,7 +42,9 @@ impl MapUnit {
         }
         match settled {
             Err(why) if initial.strict => {
-                return Err(format!("{why}; with initial.strict = true this start is an error"));
+                return Err(format!(
+                    "{why}; with initial.strict = true this start is an error"
+                ));
             }
             other => remarks.extend(other.err().map(Message::warning)),
         }
@@ -67,7 +69,8 @@ impl MapUnit {
     /// error is the reason why it is without slip though it should not be.
     fn solve_equilibrium(&mut self) -> Result<(), String> {
         let of = &self.law.parameters;
-        let [primary_led, secondary_led] = [&of.primary, &of.secondary].map(|pulley| pulley.drive == Drive::Speed);
+        let [primary_led, secondary_led] =
+            [&of.primary, &of.secondary].map(|pulley| pulley.drive == Drive::Speed);
         let (steady, ratio) = (of.initial.steady, self.state.log_ratio.exp());
         let speeds = &mut self.state.speeds;
         if secondary_led {

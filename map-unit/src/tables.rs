@@ -108,8 +108,9 @@ impl Tables {
     pub fn place(&self, force: f64, speed: f64, log_ratio: f64) -> GridPosition {
         let square = speed * speed;
         // Both ends of the interval on an axis, with their weights.
-        let ends =
-            |(k, fraction): (usize, f64), count: usize| [(k, 1.0 - fraction), ((k + 1).min(count - 1), fraction)];
+        let ends = |(k, fraction): (usize, f64), count: usize| {
+            [(k, 1.0 - fraction), ((k + 1).min(count - 1), fraction)]
+        };
         let (speeds, ratios) = (self.speeds.len(), self.ratios.count);
         let axes = [
             ends(interval(&self.forces, force), self.forces.len()),

@@ -45,7 +45,9 @@ impl MapUnit {
     fn step(&mut self, duration: f64, to: &Inputs) -> Option<()> {
         let (start, k) = (self.state, GAMMA * duration);
         let change = to.after(-1.0, &self.inputs);
-        let first = self.law.stage(&self.inputs.after(GAMMA, &change), &start, k, &start)?;
+        let first = self
+            .law
+            .stage(&self.inputs.after(GAMMA, &change), &start, k, &start)?;
         // base = y + h (1 − γ) f₁, with h γ f₁ = Y₁ − y.
         let ahead = |start: f64, first: f64| start + (1.0 - GAMMA) / GAMMA * (first - start);
         let base = State {
@@ -70,7 +72,11 @@ impl MapUnit {
             while end > self.time {
                 let rest = end - self.time;
                 let count = (rest / longest - 1e-9).ceil().max(1.0);
-                let next = if count == 1.0 { end } else { self.time + rest / count };
+                let next = if count == 1.0 {
+                    end
+                } else {
+                    self.time + rest / count
+                };
                 steps += 1.0;
                 if self.step(next - self.time, &inputs.evaluate(next)).is_some() {
                     self.time = next;
@@ -144,7 +150,9 @@ impl MapUnit {
                 shaft_torque: -into[j],
                 external_torque: match of.drive {
                     Drive::Torque => given.torque,
-                    Drive::Speed => of.inertia * (given.speed_setpoint - speeds[j]) / SPEED_LAG + into[j] + drags[j],
+                    Drive::Speed => {
+                        of.inertia * (given.speed_setpoint - speeds[j]) / SPEED_LAG + into[j] + drags[j]
+                    }
                 },
                 power: into[j] * speeds[j],
                 ..PulleyOutputs::default()
@@ -193,7 +201,8 @@ impl Unit for MapUnit {
     }
 
     fn load(resources: Option<&Path>) -> Result<Settings, String> {
-        let resources = resources.ok_or("the importer names no folder of resources, and the tables are there")?;
+        let resources =
+            resources.ok_or("the importer names no folder of resources, and the tables are there")?;
         let tables = Tables::read(resources)?;
         Ok(Settings {
             parameters: tables.parameters.clone(),
@@ -215,7 +224,11 @@ impl Unit for MapUnit {
         checked.map_err(|error| error.to_string())
     }
 
-    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String> {
+    fn start(
+        settings: &Settings,
+        experiment: &Experiment,
+        remarks: &mut Vec<Message>,
+    ) -> Result<Self, String> {
         let mut unit = Self::blank(settings, experiment)?;
         unit.initialise(remarks)?;
         unit.observe(remarks);
@@ -230,10 +243,21 @@ impl Unit for MapUnit {
         &self.readings
     }
 
-    fn begin(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<InputProfile, String> {
+    fn begin(
+        &mut self,
+        to: f64,
+        settings: &Settings,
+        rates: Option<&Settings>,
+    ) -> Result<InputProfile, String> {
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
         let (ramp, span) = (settings.parameters.solver.input_ramp, [self.time, to]);
-        Ok(InputProfile::new(ramp, span, &self.inputs, &settings.inputs, &rates))
+        Ok(InputProfile::new(
+            ramp,
+            span,
+            &self.inputs,
+            &settings.inputs,
+            &rates,
+        ))
     }
 
     fn advance(
@@ -289,7 +313,10 @@ impl Unit for MapUnit {
         archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);
         self.law.parameters.serialize(archive);
-        self.idle.each_mut().into_iter().for_each(|said| archive.flag(said));
+        self.idle
+            .each_mut()
+            .into_iter()
+            .for_each(|said| archive.flag(said));
         if archive.is_reading() {
             self.readings = self.read(&self.present());
         }

@@ -30,7 +30,9 @@ fn main() {
 /// Computing times of the nine load cases from their steady states, relative to `RCM`.
 fn nine_load_cases() {
     let ale = variator(RingModel::Ale);
-    let cases = [30.0, 50.0, 100.0].map(|torque| LoadCase::three(&ale, torque)).concat();
+    let cases = [30.0, 50.0, 100.0]
+        .map(|torque| LoadCase::three(&ale, torque))
+        .concat();
     let rings: [Arc<dyn BeltRing>; 3] = [rcm(), Arc::new(Ale::<2>), Arc::new(Ale0)];
     let times: Vec<[f64; 3]> = cases
         .iter()
@@ -61,11 +63,14 @@ fn stepping(case: &LoadCase, steady: &Outputs, ring: &Arc<dyn BeltRing>) -> f64 
     let span = REVOLUTIONS * parameters.geometry.belt_length / steady.belt_speed;
     let steps = (span / STEP).ceil();
     let mut times = [(); 3].map(|()| {
-        let mut variator = Variator::with_ring(parameters.clone(), Arc::clone(ring)).expect("valid parameters");
+        let mut variator =
+            Variator::with_ring(parameters.clone(), Arc::clone(ring)).expect("valid parameters");
         variator.initialise(0.0, &inputs).expect("a start");
         let start = ThreadTime::now();
         for k in 1..=steps as u32 {
-            variator.advance(span * f64::from(k) / steps, &inputs).expect("a step");
+            variator
+                .advance(span * f64::from(k) / steps, &inputs)
+                .expect("a step");
         }
         start.elapsed().as_secs_f64()
     });
@@ -101,7 +106,10 @@ fn free_ring() {
         });
         let (seconds, counts) = runs.min_by(|a, b| a.0.total_cmp(&b.0)).expect("seven runs");
         print_row(
-            &format!("free ring of 40 elements, Ancf, 0.5 s in steps of {} ms", 1e3 * step),
+            &format!(
+                "free ring of 40 elements, Ancf, 0.5 s in steps of {} ms",
+                1e3 * step
+            ),
             &format!("{:.2} ms, {}", 1e3 * seconds, text(&counts)),
         );
     }

@@ -189,7 +189,12 @@ impl<E: TravellingElement> Travels<E> {
     }
 
     fn ring(belt: &Belt) -> LagrangianRing<E, TwoPulley> {
-        LagrangianRing::new(belt.law.ring.clone(), belt.curve.clone(), belt.layout.nodes, E::POINTS)
+        LagrangianRing::new(
+            belt.law.ring.clone(),
+            belt.curve.clone(),
+            belt.layout.nodes,
+            E::POINTS,
+        )
     }
 }
 
@@ -273,7 +278,11 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
 }
 
 /// A ring on the aligned or on the even mesh, with the FMU's derivatives or those by forward differentiation.
-pub(crate) fn variant<R: OtherEquations + 'static>(ring: R, aligned: bool, forward: bool) -> Arc<dyn BeltRing> {
+pub(crate) fn variant<R: OtherEquations + 'static>(
+    ring: R,
+    aligned: bool,
+    forward: bool,
+) -> Arc<dyn BeltRing> {
     match (aligned, forward) {
         (true, false) => Arc::new(ring),
         (true, true) => Arc::new(Forward(ring)),

@@ -5,8 +5,8 @@ use pushbelt::scalar::Lanes;
 use pushbelt::solver::View;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::variator::ring_models::{
-    Ale0, Assembly, Belt, BeltMesh, BeltRing, CONSTRAINT_SCALE, InForce, Layout, PulleyLoad, ResultantDerivatives,
-    Sample,
+    Ale0, Assembly, Belt, BeltMesh, BeltRing, CONSTRAINT_SCALE, InForce, Layout, PulleyLoad,
+    ResultantDerivatives, Sample,
 };
 use pushbelt::variator::settings::{Mesh, Parameters};
 use pushbelt::{pulley::PerPulley, reference_curve::TwoPulley};

@@ -2,7 +2,8 @@
 
 use crate::reference_curve::unaligned::merge_derivatives;
 use crate::reference_curve::{
-    CoordinateDerivatives, MeshCurve, Path, ReferencePoint, TwoPulley, TwoPulleyFrame, Unaligned, UnalignedFrame,
+    CoordinateDerivatives, MeshCurve, Path, ReferencePoint, TwoPulley, TwoPulleyFrame, Unaligned,
+    UnalignedFrame,
 };
 use crate::scalar::Real;
 

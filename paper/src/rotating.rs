@@ -6,8 +6,8 @@ use crate::ring::kinematics::{LineLoad, Motion, Node, ReferenceMotion, RingPoint
 use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::scalar::Real;
 use pushbelt::variator::ring_models::{
-    CELL_POINTS, CellGeometry, CellRing, Deflecting, Degrees, DegreesOfFreedom, EulerianRing, MeshCurve, RingDensity,
-    RingForces, RingKind, StateComponent, StationLoad, nodes,
+    CELL_POINTS, CellGeometry, CellRing, Deflecting, Degrees, DegreesOfFreedom, EulerianRing, MeshCurve,
+    RingDensity, RingForces, RingKind, StateComponent, StationLoad, nodes,
 };
 
 /// `ALE` with the deflection in directions that rotate with the reference curve.
@@ -58,7 +58,13 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
             motion,
             ..
         } = &self.ring;
-        rotated_point(reference, &self.curve[at], &geometry.point(at).shape, element, motion)
+        rotated_point(
+            reference,
+            &self.curve[at],
+            &geometry.point(at).shape,
+            element,
+            motion,
+        )
     }
 
     #[inline(always)]
@@ -69,10 +75,20 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
     #[inline(always)]
     fn apply(&mut self, at: usize, point: &RingPoint<T, D>, station_load: &StationLoad<T, D>) {
         let Deflecting {
-            geometry, element, sum, ..
+            geometry,
+            element,
+            sum,
+            ..
         } = &mut self.ring;
         let shape = &geometry.point(at).shape;
-        rotated_load(&station_load.load, point, shape, element, station_load.weight, sum);
+        rotated_load(
+            &station_load.load,
+            point,
+            shape,
+            element,
+            station_load.weight,
+            sum,
+        );
     }
 
     #[inline(always)]

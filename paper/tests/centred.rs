@@ -21,7 +21,10 @@ fn rings() -> [(RingModel, Arc<dyn BeltRing>); 3] {
 
 #[test]
 fn jacobian_matches_differences() {
-    assert_jacobian(disturbed_with(&small(RingModel::Ale0), Arc::new(Centred), 200.0), 0.4);
+    assert_jacobian(
+        disturbed_with(&small(RingModel::Ale0), Arc::new(Centred), 200.0),
+        0.4,
+    );
 }
 
 /// Thrust ratio and spiral running in medium and overdrive, with the default sheaves and with rigid ones. The elements stay on circles
@@ -40,8 +43,9 @@ fn thrust_ratio_and_spiral_running() {
                     load_case_with(&parameters, ring, case)
                 });
                 let thrust = |of: &pushbelt_support::steady::Steady| of.outputs.thrust_ratio;
-                let spiral =
-                    |of: &pushbelt_support::steady::Steady| of.outputs.primary.spiral.max(of.outputs.secondary.spiral);
+                let spiral = |of: &pushbelt_support::steady::Steady| {
+                    of.outputs.primary.spiral.max(of.outputs.secondary.spiral)
+                };
                 println!(
                     "{}, {torque} N·m, rigid sheaves {rigid}: thrust ratio {:.3}, {:.3} with free centres, {:.3} ALE ({:+.1} %, {:+.1} %); \
                      spiral {:.3}, {:.3}, {:.3} mm",

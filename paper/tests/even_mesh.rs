@@ -122,7 +122,8 @@ fn errors_and_cost_of_a_shift_with_moving_borders() {
     assert_close(fine.0, aligned.0, 0.07, "shift with three times the elements");
     // Measured: 18 and 79 times the factorizations, 260 and 290 times the energy.
     assert!(
-        fine.2.factorizations > 8 * aligned.2.factorizations && even.2.factorizations > 4 * aligned.2.factorizations
+        fine.2.factorizations > 8 * aligned.2.factorizations
+            && even.2.factorizations > 4 * aligned.2.factorizations
     );
     for uneasy in [even, fine] {
         assert!(uneasy.1 > 20.0 * aligned.1);
@@ -174,7 +175,8 @@ fn evenly_spaced_elements_fill_the_belt_and_each_half_touches_one_pulley() {
         per_element: 2,
         points: 2,
     };
-    let [even, aligned] = [false, true].map(|aligned| BeltMesh::new(&Parameters::default().mesh, cells, aligned));
+    let [even, aligned] =
+        [false, true].map(|aligned| BeltMesh::new(&Parameters::default().mesh, cells, aligned));
     assert_eq!(even.elements.len(), aligned.elements.len());
     let length = 1.0 / even.elements.len() as f64;
     let fills = |e: &Element| e.segment == 0 && (e.length - length).abs() < 1e-15;

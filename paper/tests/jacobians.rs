@@ -10,7 +10,8 @@ use pushbelt_paper::belts::{EvenMesh, Rotated};
 use pushbelt_paper::reference_curve::{TwoPulley, Unaligned};
 use pushbelt_paper_lab::{ancf, rcm, travelling};
 use pushbelt_support::disturbed::{
-    Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_tangents, disturbed_with, small,
+    Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_tangents, disturbed_with,
+    small,
 };
 
 /// The small variator in the plane.
@@ -87,7 +88,10 @@ fn the_residual_is_invariant_to_the_choice_of_the_first_node() {
         let largest = residuals[0].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         for i in 0..n {
             let [one, two] = [residuals[0][i], residuals[1][counted_on(i)]];
-            assert!((one - two).abs() < 1e-9 * largest, "row {i}: {one} {two}, {largest}");
+            assert!(
+                (one - two).abs() < 1e-9 * largest,
+                "row {i}: {one} {two}, {largest}"
+            );
         }
     }
 }

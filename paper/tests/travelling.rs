@@ -22,7 +22,11 @@ fn rig(ring: Arc<dyn BeltRing>, theta: f64, torque: f64) -> Run {
     parameters.initial.ratio = ratio(theta);
     let case = LoadCase::new(&parameters, "", theta, torque);
     let load = -0.97 * torque * ratio(theta);
-    Run::with_ring(parameters, ring, inputs((0.0, case.clamping), (load, case.clamping)))
+    Run::with_ring(
+        parameters,
+        ring,
+        inputs((0.0, case.clamping), (load, case.clamping)),
+    )
 }
 
 /// Means of thrust ratio and of the ring tension's range over the last part of a run.
@@ -108,7 +112,8 @@ fn runs_continue_from_stored_states_bit_for_bit() {
         let mut run = rig(Arc::clone(&ring), 0.0, 50.0);
         run.go(1e-3, 2.5e-4);
         let bytes = stored(&mut run.variator);
-        let mut other = Variator::with_ring(run.variator.parameters().clone(), ring).expect("valid parameters");
+        let mut other =
+            Variator::with_ring(run.variator.parameters().clone(), ring).expect("valid parameters");
         let mut archive = Archive::reader(&bytes);
         other.serialize(&mut archive);
         archive.finish().expect("it fits");

@@ -146,7 +146,8 @@ fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> ([Jet<T
     let r_ddot = by_i_dot * ratio.d + by_i * ratio.dd + by_d_dot * d.d + by_d * d.dd;
     let delta_ddot = r_ddot - ratio.dd * r - ratio.d * r_dot * 2.0 - i * r_ddot;
     let phi_ddot = (off * b_dot * per_b - (delta_ddot - off * per_d * d.d - x * d.dd)) * per_b;
-    let b_ddot = (d.d * d.d + d.v * d.dd - delta_dot * delta_dot - delta * delta_ddot - b_dot * b_dot) * per_b;
+    let b_ddot =
+        (d.d * d.d + d.v * d.dd - delta_dot * delta_dot - delta * delta_ddot - b_dot * b_dot) * per_b;
     let jet = |v, d, dd| Jet { v, d, dd };
     let r_p = jet(r, r_dot, r_ddot);
 
@@ -243,7 +244,11 @@ impl ReferenceCurve for TwoPulley {
         let (position, n, kappa) = if is_strand(segment) {
             let [start, along] = frame.strands[segment / 2];
             let n = turn_right(along.v * frame.lengths[segment].v.recip());
-            (start.plus_scaled(along, T::constant(fraction)), n, Jet::constant(0.0))
+            (
+                start.plus_scaled(along, T::constant(fraction)),
+                n,
+                Jet::constant(0.0),
+            )
         } else {
             let grown = frame.radius[pulley].plus_scaled(frame.growth, 1.0);
             let arm = Jet::polar(grown, chi);
@@ -289,7 +294,9 @@ impl MeshCurve for TwoPulley {
         };
         let centers = [1.0, -1.0].map(|side| middle.plus_scaled(arm, T::from(side)));
         let upper = phi.plus_scaled(turn, 1.0);
-        let lower = turn.plus_scaled(phi, -1.0).plus_scaled(Jet::constant(2.0 * PI), 1.0);
+        let lower = turn
+            .plus_scaled(phi, -1.0)
+            .plus_scaled(Jet::constant(2.0 * PI), 1.0);
         let quarter = Jet::constant(PI / 2.0);
         let strands = [(0, upper), (1, lower)].map(|(pulley, chi)| {
             let start = centers[pulley].plus_scaled(Jet::polar(grown[pulley], chi), T::one());

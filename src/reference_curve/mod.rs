@@ -9,7 +9,9 @@ mod frame;
 mod jet;
 mod two_pulley;
 
-pub use frame::{COORDINATES, CoordinateDerivatives, MeshCurve, Path, PointDerivatives, TwoPulleyFrame, along_theta};
+pub use frame::{
+    COORDINATES, CoordinateDerivatives, MeshCurve, Path, PointDerivatives, TwoPulleyFrame, along_theta,
+};
 pub use jet::Jet;
 pub use two_pulley::{GeometryError, TwoPulley, ratio_of_theta};
 

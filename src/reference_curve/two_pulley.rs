@@ -26,7 +26,9 @@ pub struct TwoPulley {
 
 /// The belt does not fit the pulleys.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("no belt of length {length} m closes around pulleys {center_distance} m apart at a geometric ratio of {ratio}")]
+#[error(
+    "no belt of length {length} m closes around pulleys {center_distance} m apart at a geometric ratio of {ratio}"
+)]
 pub struct GeometryError {
     /// Belt length L, m.
     pub length: f64,

@@ -44,7 +44,8 @@ pub fn add_inertia<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>
 #[inline(always)]
 pub fn curvature<T: Real, const D: usize>(point: &RingPoint<T, D>) -> T {
     let reference = &point.reference;
-    reference.n.dot(&in_plane(&point.bend)) - reference.kappa * (reference.t.dot(&in_plane(&point.slope)) - 1.0)
+    reference.n.dot(&in_plane(&point.bend))
+        - reference.kappa * (reference.t.dot(&in_plane(&point.slope)) - 1.0)
 }
 
 /// Energies and damping of the ring at a point: the integrands of (6), (17), and the power of damping.
@@ -63,7 +64,12 @@ pub struct RingDensity<T> {
 /// Their values at a point.
 #[inline(always)]
 pub fn density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> RingDensity<T> {
-    let (velocity, gamma, rate, kappa) = (point.velocity(), point.strain(), point.strain_rate(), curvature(point));
+    let (velocity, gamma, rate, kappa) = (
+        point.velocity(),
+        point.strain(),
+        point.strain_rate(),
+        curvature(point),
+    );
     let mut bending = kappa * kappa * ring.bending_stiffness;
     for i in 2..D {
         bending += point.bend[i] * point.bend[i] * ring.lateral_bending_stiffness;
@@ -110,7 +116,9 @@ pub fn add_elasticity<T: Real, const D: usize>(
     }
     load.drift += viscous * point.strain_gradient;
     let kappa_theta = kappa_theta(reference, &point.slope, &point.bend, 1.0);
-    let RingDensity { membrane, bending, .. } = density(ring, point);
+    let RingDensity {
+        membrane, bending, ..
+    } = density(ring, point);
     load.theta += moment * kappa_theta + (membrane + bending) * dilation;
     tension
 }
@@ -147,7 +155,8 @@ pub fn vary_elasticity<T: Real, const D: usize>(
     let (moment, d_moment) = (kappa * ring.bending_stiffness, d_kappa * ring.bending_stiffness);
     let (gradient, d_gradient) = (point.strain_gradient, by.strain_gradient);
     let viscous = point.strain_rate() * viscosity;
-    let d_viscous = (by.t.dot(&point.slope_dot) + point.t.dot(&by.slope_dot) + point.w * d_gradient) * viscosity;
+    let d_viscous =
+        (by.t.dot(&point.slope_dot) + point.t.dot(&by.slope_dot) + point.w * d_gradient) * viscosity;
     let tension = point.strain() * ring.axial_stiffness + viscous;
     let d_tension = by.stretch * ring.axial_stiffness + d_viscous;
     load.slope += by.t * tension + point.t * d_tension - embed(t_ref * (d_moment * reference.kappa));

@@ -46,7 +46,8 @@ impl Element {
 /// The element in which `fraction` of a segment lies, and how far along it, from 0 to 1.
 #[must_use]
 pub fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64) {
-    let after = elements.partition_point(|e| e.segment < segment || e.segment == segment && e.start <= fraction);
+    let after =
+        elements.partition_point(|e| e.segment < segment || e.segment == segment && e.start <= fraction);
     let element = after.saturating_sub(1);
     let Element { start, length, .. } = elements[element];
     (element, (fraction - start) / length)
@@ -142,7 +143,10 @@ mod tests {
     fn gauss_integrates_polynomials_of_its_degree() {
         for points in 2..=5 {
             for degree in 0..2 * points {
-                let sum: f64 = gauss(points).iter().map(|&(x, w)| w * x.powi(degree as i32)).sum();
+                let sum: f64 = gauss(points)
+                    .iter()
+                    .map(|&(x, w)| w * x.powi(degree as i32))
+                    .sum();
                 let exact = f64::from(1 - degree as i32 % 2) * 2.0 / (degree as f64 + 1.0);
                 assert!((sum - exact).abs() < 1e-15, "{points} points, degree {degree}");
             }

@@ -104,7 +104,11 @@ fn outer_tension(
     }
     mean_shape /= length;
     let borne = layers.friction * (mean - centrifugal).max(0.0) * secondary.min(primary);
-    let fraction = if borne < high - low { borne / (high - low) } else { 1.0 };
+    let fraction = if borne < high - low {
+        borne / (high - low)
+    } else {
+        1.0
+    };
     for (part, along) in parts.iter().zip(along) {
         let of_slip = centrifugal + (mean - centrifugal) * *along / mean_shape;
         let of_stick = mean + fraction * (part.tension - mean);
@@ -143,7 +147,11 @@ fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) ->
         }
     }
     let [low, high] = [strands[0].min(strands[1]), strands[0].max(strands[1])];
-    let [secondary, primary] = if arcs[1] > arcs[0] { [high, low] } else { [low, high] };
+    let [secondary, primary] = if arcs[1] > arcs[0] {
+        [high, low]
+    } else {
+        [low, high]
+    };
     let cycles = PerPulley {
         secondary: (arcs[0], secondary),
         primary: (arcs[1], primary),
@@ -157,7 +165,12 @@ fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) ->
 
 /// Stress of the face with the largest one over a revolution, where the ring moves along itself at a speed, m/s, on pitch radii, the
 /// secondary first, m. Writes its stress in each part to `along`, Pa. All are zero for layers without thickness.
-pub fn ring_stress(of: (&Ring, &Layers), motion: (f64, [f64; 2]), parts: &[RingPart], along: &mut [f64]) -> RingStress {
+pub fn ring_stress(
+    of: (&Ring, &Layers),
+    motion: (f64, [f64; 2]),
+    parts: &[RingPart],
+    along: &mut [f64],
+) -> RingStress {
     let (ring, layers) = of;
     let area = SETS * layers.width * layers.thickness;
     outer_tension(of, motion, parts, along);

@@ -61,7 +61,8 @@ fn to_json(model: &LinearModel, columns: &[Column<'_>], frequency: f64, time: f6
         let (given, held) = (load.value(&model.given), load.value(&model.inputs));
         json!({"name": load.name(), "unit": load.unit(), "given": given, "held": held})
     };
-    let output = |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&model.outputs)});
+    let output =
+        |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&model.outputs)});
     json!({
         "about": "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it",
         "frequency": {"unit": "Hz", "value": frequency},

@@ -72,7 +72,9 @@ pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
 
 /// Inputs, outputs, parameters, of which the unit's `own` are the first, and locals but for profiles.
 #[must_use]
-pub fn shared_variables<R, Q: AsRef<Outputs>>(own: Vec<Variable<Settings<R>, Q>>) -> Vec<Variable<Settings<R>, Q>> {
+pub fn shared_variables<R, Q: AsRef<Outputs>>(
+    own: Vec<Variable<Settings<R>, Q>>,
+) -> Vec<Variable<Settings<R>, Q>> {
     let before = inputs().map(Setting::variable).chain(outputs()).chain(own);
     let parameters = parameters().map(Setting::variable);
     before.chain(parameters).chain(locals()).collect()

@@ -26,12 +26,19 @@ pub fn model_description(version: Version) -> String {
 }
 
 impl<R: Rings> UnitWith<R> {
-    fn build(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String> {
+    fn build(
+        settings: &Settings<R>,
+        experiment: &Experiment,
+        remarks: &mut Vec<Message>,
+    ) -> Result<Self, String> {
         let mut parameters = settings.parameters.clone();
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
-        let ring = settings.own.ring(&parameters).map_err(|error| error.to_string())?;
+        let ring = settings
+            .own
+            .ring(&parameters)
+            .map_err(|error| error.to_string())?;
         find_memory(&parameters.mesh)?;
         let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
         let rings = PhantomData;
@@ -71,7 +78,11 @@ impl<R: Rings> Unit for UnitWith<R> {
         checked.map_err(|error| error.to_string())
     }
 
-    fn start(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Message>) -> Result<Self, String> {
+    fn start(
+        settings: &Settings<R>,
+        experiment: &Experiment,
+        remarks: &mut Vec<Message>,
+    ) -> Result<Self, String> {
         let mut unit = Self::build(settings, experiment, remarks)?;
         let started = unit.variator.initialise(0.0, &settings.inputs);
         unit.move_messages(remarks);
@@ -176,15 +187,19 @@ fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Message>)
     if parameter != Parameters::default().solver.tolerance {
         if parameter != experiment {
             let over = format!("takes precedence over the experiment's tolerance {experiment}");
-            remark(false, format!("solver.tolerance = {parameter} was set and {over}"));
+            remark(
+                false,
+                format!("solver.tolerance = {parameter} was set and {over}"),
+            );
         }
         return parameter;
     }
     let (min, max) = range_of("solver.tolerance").unwrap_or((0.0, 1.0));
     let tolerance = experiment.clamp(min, max);
     if tolerance != experiment {
-        let text =
-            format!("the experiment's tolerance {experiment} is out of range: {min} to {max}; {tolerance} is used");
+        let text = format!(
+            "the experiment's tolerance {experiment} is out of range: {min} to {max}; {tolerance} is used"
+        );
         remark(true, text);
     }
     tolerance

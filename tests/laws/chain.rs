@@ -1,7 +1,9 @@
 //! The stack of push elements.
 
 use pushbelt::scalar::Dual;
-use pushbelt::stack::{PushElements, RATE_SMOOTHING, Transport, UPWIND_SMOOTHING, energy_density, flux, push_force};
+use pushbelt::stack::{
+    PushElements, RATE_SMOOTHING, Transport, UPWIND_SMOOTHING, energy_density, flux, push_force,
+};
 use pushbelt_support::laws::belt;
 use pushbelt_support::noise;
 
@@ -66,7 +68,10 @@ fn oil_opposes_closing_at_every_gap() {
 /// allows, and across a wide gap only what smoothing leaves.
 #[test]
 fn oil_dissipates_and_cavitates() {
-    let oil = PushElements { damping: 0.0, ..belt() };
+    let oil = PushElements {
+        damping: 0.0,
+        ..belt()
+    };
     for nu in [0.99, 0.999, 1.0, 1.005] {
         assert_eq!(viscous(&oil, nu, 0.0), 0.0, "at rest");
         for rate in [1e-3, 0.1, 10.0, 1e4] {
@@ -77,7 +82,13 @@ fn oil_dissipates_and_cavitates() {
     }
     let smoothed = oil.film_damping * RATE_SMOOTHING;
     assert!(viscous(&oil, 0.9, -10.0) > -1.01 * smoothed, "across a wide gap");
-    assert_near(viscous(&oil, 1.0, -1e4), -oil.suction, oil.suction, 1e-2, "cavitation");
+    assert_near(
+        viscous(&oil, 1.0, -1e4),
+        -oil.suction,
+        oil.suction,
+        1e-2,
+        "cavitation",
+    );
 }
 
 fn cell(flow: f64, density: f64) -> Transport<f64> {
@@ -97,7 +108,13 @@ fn flux_takes_the_density_of_the_cell_upstream() {
 fn flux_at_rest_conserves() {
     assert_eq!(flux(&cell(0.0, 1.02), &cell(0.0, 1.02)), 0.0);
     let found = flux(&cell(0.0, 0.9), &cell(0.0, 1.1));
-    assert_near(found, -0.1 * UPWIND_SMOOTHING, UPWIND_SMOOTHING, 1e-12, "flux at rest");
+    assert_near(
+        found,
+        -0.1 * UPWIND_SMOOTHING,
+        UPWIND_SMOOTHING,
+        1e-12,
+        "flux at rest",
+    );
 }
 
 /// Between equal cells the flux is J ν at every speed, and the mirrored belt has the mirrored flux.

@@ -52,9 +52,14 @@ fn bad_number() -> impl Strategy<Value = f64> {
 fn experiment() -> impl Strategy<Value = Call> {
     let tolerance = prop_oneof![4 => Just(None), 2 => Just(Some(1e-3)), 1 => bad_number().prop_map(Some)];
     let start = prop_oneof![4 => Just(0.0), 1 => Just(1e6), 1 => Just(1.7e9), 1 => bad_number()];
-    let stop =
-        prop_oneof![4 => Just(None), 1 => Just(Some(2e6)), 1 => Just(Some(0.004)), 1 => bad_number().prop_map(Some)];
-    (tolerance, start, stop).prop_map(|(tolerance, start, stop)| Call::Enter(Experiment { tolerance, start, stop }))
+    let stop = prop_oneof![4 => Just(None), 1 => Just(Some(2e6)), 1 => Just(Some(0.004)), 1 => bad_number().prop_map(Some)];
+    (tolerance, start, stop).prop_map(|(tolerance, start, stop)| {
+        Call::Enter(Experiment {
+            tolerance,
+            start,
+            stop,
+        })
+    })
 }
 
 fn step() -> impl Strategy<Value = Call> {
@@ -75,7 +80,11 @@ fn step() -> impl Strategy<Value = Call> {
 pub fn calls() -> impl Strategy<Value = Call> {
     let number = proptest::sample::select(&[1, 2, 0, -1, i32::MAX, i32::MIN][..]);
     let order = || prop_oneof![6 => Just(1), 1 => Just(0), 1 => Just(2)];
-    let derivative = (0..REALS.len(), order(), prop_oneof![9 => -1e4..1e4, 1 => bad_number()]);
+    let derivative = (
+        0..REALS.len(),
+        order(),
+        prop_oneof![9 => -1e4..1e4, 1 => bad_number()],
+    );
     let frequency = prop_oneof![3 => Just(50.0), 1 => bad_number()];
     let lifecycle = prop_oneof![
         4 => experiment(),

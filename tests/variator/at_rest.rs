@@ -66,7 +66,9 @@ fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
             // Half and double the speed of the belt that creeps into the start, and sharper friction.
             let [slow, fast] = [10.0, 40.0].map(|speed| force(speed, 1e-5));
             let at_rest = VELOCITIES.map(|velocity| force(0.0, velocity));
-            println!("{model:?}, {given} N·m: at rest {at_rest:.0?} N, running slowly {slow:.0} and {fast:.0} N");
+            println!(
+                "{model:?}, {given} N·m: at rest {at_rest:.0?} N, running slowly {slow:.0} and {fast:.0} N"
+            );
             assert_close(slow, fast, 0.02, "two slow speeds");
             for force in at_rest {
                 assert_close(force, at_rest[0], 0.05, "friction velocities");

@@ -9,7 +9,8 @@ use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing, deflecting_equations,
 use pushbelt::variator::settings::{BeltKind, Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::disturbed::{
-    Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_tangents, disturbed, product, small,
+    Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_tangents, disturbed,
+    product, small,
 };
 
 const KINDS: [BeltKind; 2] = [BeltKind::PushBelt, BeltKind::PullChain];

@@ -13,7 +13,12 @@ use pushbelt_support::variators::{
 
 /// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S from
 /// (F − σV²)α/(2 tan β).
-fn off_frictionless(parameters: &Parameters, ratio: f64, contact_stiffness: f64, refinement: i32) -> [f64; 3] {
+fn off_frictionless(
+    parameters: &Parameters,
+    ratio: f64,
+    contact_stiffness: f64,
+    refinement: i32,
+) -> [f64; 3] {
     let mut parameters = belt_alone(rigid(parameters.clone()));
     (parameters.friction.pulley, parameters.friction.ring) = (1e-9, 0.0);
     parameters.contact.stiffness = contact_stiffness;
@@ -52,10 +57,14 @@ fn without_friction_the_thrust_ratio_is_that_of_the_wrap_angles() {
     };
     for model in MODELS {
         let belt = variator(model);
-        let [soft, stiffer, stiff] = [(2.5e9, 1), (1e10, 2), (4e10, 2)].map(|(k, mesh)| worst(&belt, k, mesh));
+        let [soft, stiffer, stiff] =
+            [(2.5e9, 1), (1e10, 2), (4e10, 2)].map(|(k, mesh)| worst(&belt, k, mesh));
         for k in 0..2 {
             let falls = stiff[k] < 0.5 * stiffer[k] && stiffer[k] < 0.5 * soft[k];
-            assert!(stiff[k] < 3e-4 && falls, "{model:?}: {soft:?}, {stiffer:?}, {stiff:?}");
+            assert!(
+                stiff[k] < 3e-4 && falls,
+                "{model:?}: {soft:?}, {stiffer:?}, {stiff:?}"
+            );
         }
         let of_chain = worst(&chain(model), 4e10, 2)[0];
         assert!(of_chain < 3e-4, "{model:?}: {of_chain}");

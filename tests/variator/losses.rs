@@ -49,7 +49,12 @@ fn torque_that_turns_the_variator_without_load() {
         let drag = 2.0 * (0.15 + 4e-4 * speed + 1.8e-3 * 0.02 * load);
         assert_close(o.losses.shafts / speed, drag, 0.01, "drag");
         assert_close(torque, expected, 0.05, "torque without load");
-        assert_close(torque * speed, o.losses.total(), 5e-3, "the power supplied is the loss");
+        assert_close(
+            torque * speed,
+            o.losses.total(),
+            5e-3,
+            "the power supplied is the loss",
+        );
     }
 }
 
@@ -60,7 +65,11 @@ fn pressing(state: &Steady) -> PerPulley<f64> {
     let mut sums = PerPulley::default();
     for at in state.stations() {
         let primary = at.segment == 2;
-        let pulley = if primary { Pulley::Primary } else { Pulley::Secondary };
+        let pulley = if primary {
+            Pulley::Primary
+        } else {
+            Pulley::Secondary
+        };
         let s = at.sample;
         sums[pulley] += (s.tension - centrifugal) * s.curvature[0] * s.weight;
     }
@@ -79,7 +88,8 @@ fn loss_of_the_layers_is_that_of_their_law() {
             };
             let (o, sums) = (&state.outputs, pressing(&state));
             let layers = &parameters.layers;
-            let slip = o.ring_speed * layers.thickness * (1.0 / o.primary.radius - 1.0 / o.secondary.radius).abs();
+            let slip =
+                o.ring_speed * layers.thickness * (1.0 / o.primary.radius - 1.0 / o.secondary.radius).abs();
             let weaker = sums.primary.min(sums.secondary);
             let expected = layers.friction * slip * 0.5 * f64::from(layers.count - 1) * weaker;
             assert_close(o.losses.layers, expected, 0.04, "loss of the layers");
@@ -91,7 +101,10 @@ fn loss_of_the_layers_is_that_of_their_law() {
             }
         }
         let even = idling(&parameters, 1.0, 20e3, SPEED).outputs;
-        assert!(even.losses.layers >= 0.0 && even.losses.layers < 1e-2, "{model:?}");
+        assert!(
+            even.losses.layers >= 0.0 && even.losses.layers < 1e-2,
+            "{model:?}"
+        );
     }
 }
 
@@ -114,11 +127,17 @@ fn loss_of_turning_elements_is_that_of_their_law() {
                 let lengths = stations
                     .iter()
                     .map(|at| (at.sample.density, at.sample.lambda * at.sample.weight));
-                let (stack, length) = lengths.fold((0.0, 0.0), |(n, l), (density, of)| (n + density * of, l + of));
+                let (stack, length) =
+                    lengths.fold((0.0, 0.0), |(n, l), (density, of)| (n + density * of, l + of));
                 let elements = o.belt_speed * stack / length / parameters.belt.element_thickness;
                 let turning = |radius: f64| INERTIA * (o.belt_speed / radius).powi(2);
                 let expected = elements * (turning(o.primary.radius) + turning(o.secondary.radius));
-                assert_close(o.losses.element_rotation, expected, 0.01, "loss of turning elements");
+                assert_close(
+                    o.losses.element_rotation,
+                    expected,
+                    0.01,
+                    "loss of turning elements",
+                );
             }
             let torques = [(&slow, 2000.0), (&fast, 5000.0)]
                 .map(|(state, rpm)| state.outputs.losses.element_rotation / (rpm * RPM));
@@ -131,7 +150,12 @@ fn loss_of_turning_elements_is_that_of_their_law() {
                 let supplied = |state: &Steady| state.external_torques().primary * 5000.0 * RPM;
                 let rest = |state: &Steady| supplied(state) - state.outputs.losses.total();
                 let spin = fast.outputs.losses.element_rotation;
-                assert_close(supplied(&fast) - supplied(&without), spin, 0.1, "power of the shaft");
+                assert_close(
+                    supplied(&fast) - supplied(&without),
+                    spin,
+                    0.1,
+                    "power of the shaft",
+                );
                 assert!((rest(&fast) - rest(&without)).abs() < 0.01 * spin, "{model:?}");
             }
         }
@@ -151,16 +175,21 @@ fn a_variator_loses_less_than_a_whole_transmission() {
         (0.5, 2000.0, 41.0, 0.947),
         (0.5, 3000.0, 27.0, 0.795),
     ];
-    for (model, (ratio, rpm, torque, measured)) in MODELS.into_iter().flat_map(|model| measured.map(|row| (model, row)))
+    for (model, (ratio, rpm, torque, measured)) in MODELS
+        .into_iter()
+        .flat_map(|model| measured.map(|row| (model, row)))
     {
         let parameters = variator(model);
         let force = clamping(&parameters, ratio, 1.3e3) * torque / 1e3;
         let state = transmitting(&parameters, ratio, force.max(4e3), torque, rpm * RPM);
         let with_spin = state.outputs.efficiency;
-        let efficiency =
-            with_spin + state.outputs.losses.element_rotation / (state.external_torques().primary * rpm * RPM);
+        let efficiency = with_spin
+            + state.outputs.losses.element_rotation / (state.external_torques().primary * rpm * RPM);
         assert!(with_spin < efficiency);
-        assert!(efficiency > measured && efficiency < 0.99, "{efficiency} at {ratio}");
+        assert!(
+            efficiency > measured && efficiency < 0.99,
+            "{efficiency} at {ratio}"
+        );
     }
 }
 
@@ -168,7 +197,8 @@ fn a_variator_loses_less_than_a_whole_transmission() {
 #[test]
 fn each_loss_is_zero_without_its_parameters() {
     let usual = coarse(RingModel::Ale);
-    let [alone, usual] = [belt_alone(usual.clone()), usual].map(|p| transmitting(&p, 0.5, 8e3, 50.0, SPEED).outputs);
+    let [alone, usual] =
+        [belt_alone(usual.clone()), usual].map(|p| transmitting(&p, 0.5, 8e3, 50.0, SPEED).outputs);
     let Losses {
         layers,
         element_rotation,

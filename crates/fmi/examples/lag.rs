@@ -39,11 +39,15 @@ impl Unit for Lag {
     fn table() -> Table<Settings, f64> {
         use Causality::{Input, Output, Parameter};
         type V = Variable<Settings, f64>;
-        const UNITS: &[UnitDefinition] = &[UnitDefinition::new("1", &[]), UnitDefinition::new("s", &[("s", 1)])];
+        const UNITS: &[UnitDefinition] = &[
+            UnitDefinition::new("1", &[]),
+            UnitDefinition::new("s", &[("s", 1)]),
+        ];
         let variables = vec![
             V::real(1, "y", "Output", Output, "1", Access::Reading(|output| *output)),
             V::real(2, "u", "Input", Input, "1", setting!(input)),
-            V::real(3, "T", "Time constant", Parameter, "s", setting!(time_constant)).with_range(Range::from(1e-6)),
+            V::real(3, "T", "Time constant", Parameter, "s", setting!(time_constant))
+                .with_range(Range::from(1e-6)),
             V::real(4, "start", "Output at the start", Parameter, "1", setting!(start)),
         ];
         Table::new(UNITS, &[], variables)
@@ -67,7 +71,13 @@ impl Unit for Lag {
     }
 
     /// The exact solution for an input that is held.
-    fn advance(&mut self, to: f64, (): &mut (), settings: &Settings, _: &mut Vec<Message>) -> Result<(), String> {
+    fn advance(
+        &mut self,
+        to: f64,
+        (): &mut (),
+        settings: &Settings,
+        _: &mut Vec<Message>,
+    ) -> Result<(), String> {
         let decay = (-(to - self.time) / settings.time_constant).exp();
         self.y = settings.input + (self.y - settings.input) * decay;
         self.time = to;

@@ -105,7 +105,9 @@ fn default_experiment(identity: &Identity) -> Element {
 /// A unit, with its display units.
 fn unit_definition(unit: &UnitDefinition) -> Element {
     let (exponents, display) = (unit.exponents.iter(), unit.display.iter());
-    let base = exponents.fold(Element::new("BaseUnit"), |base, (name, value)| base.with(name, value));
+    let base = exponents.fold(Element::new("BaseUnit"), |base, (name, value)| {
+        base.with(name, value)
+    });
     let display = display.map(|(name, factor)| {
         let display = Element::new("DisplayUnit").with("name", name);
         display.with("factor", Number(*factor))
@@ -137,7 +139,9 @@ fn log_categories() -> Element {
     let describe = |category| match category {
         Category::Error => "Why a call failed (always logged)",
         Category::Warning => "What looks wrong but lets the run go on (logged without debug logging too)",
-        Category::Discard => "Why a value was not taken or a step not completed (logged without debug logging too)",
+        Category::Discard => {
+            "Why a value was not taken or a step not completed (logged without debug logging too)"
+        }
         Category::Events => "What the unit did, e.g. how it found its initial state, and the events of a run",
     };
     Element::new("LogCategories").children(Category::ALL.into_iter().map(|category| {
@@ -160,7 +164,12 @@ fn time() -> Element {
 
 /// The element of a variable, or in FMI 3.0 of the array that begins with it; `None` for further
 /// elements of an array.
-fn variable<S, R>(version: Version, table: &Table<S, R>, variable: &Variable<S, R>, settings: &S) -> Option<Element> {
+fn variable<S, R>(
+    version: Version,
+    table: &Table<S, R>,
+    variable: &Variable<S, R>,
+    settings: &S,
+) -> Option<Element> {
     let reference = variable.reference;
     let array = table.array_of(reference).filter(|_| version == Three);
     let (name, description) = match array {
@@ -250,7 +259,9 @@ fn model_structure<S, R>(version: Version, table: &Table<S, R>) -> Element {
             .with("dependencies", numbers.join(" "))
             .with("dependenciesKind", vec!["dependent"; known.len()].join(" "))
     };
-    let in_run = outputs.clone().map(|index| depending(unknown("Output", index), &[]));
+    let in_run = outputs
+        .clone()
+        .map(|index| depending(unknown("Output", index), &[]));
     let initial = outputs.map(|index| {
         let unknown = unknown("InitialUnknown", index);
         match table.initial_dependencies(&table.variables()[index]) {

@@ -51,7 +51,10 @@ pub(crate) fn find<U: Unit>(
             return settings.map(Some).map_err(unusable);
         }
     }
-    let searched: Vec<_> = folders.iter().map(|folder| folder.display().to_string()).collect();
+    let searched: Vec<_> = folders
+        .iter()
+        .map(|folder| folder.display().to_string())
+        .collect();
     match (is_copy, searched.is_empty()) {
         (false, _) => Ok(None),
         (true, false) => Err(format!(
@@ -88,13 +91,12 @@ fn set<'a, S, R>(line: &'a str, table: &Table<S, R>, settings: &mut S) -> Result
         .split_once('=')
         .map(|(name, text)| (name.trim(), text.trim()))
         .ok_or_else(|| format!("{line:?} is not of the form name = value"))?;
-    let variable =
-        table
-            .by_name(name)
-            .ok_or_else(|| match table.retired.iter().find(|retired| retired.name == name) {
-                Some(retired) => retired.to_string(),
-                None => format!("there is no variable {name:?}"),
-            })?;
+    let variable = table.by_name(name).ok_or_else(|| {
+        match table.retired.iter().find(|retired| retired.name == name) {
+            Some(retired) => retired.to_string(),
+            None => format!("there is no variable {name:?}"),
+        }
+    })?;
     let not_a = |what: &str| format!("{name} = {text:?} is not a {what}");
     let value = match &variable.kind {
         Kind::Real { .. } => Value::Real(text.parse().map_err(|_| not_a("number"))?),

@@ -88,7 +88,8 @@ pub(crate) enum Call {
 impl Call {
     pub(crate) fn allowed_in(self, state: State) -> bool {
         use State::{
-            Error, Event, Initialisation, Instantiated, IntermediateUpdate, StepComplete, StepFailed, Terminated,
+            Error, Event, Initialisation, Instantiated, IntermediateUpdate, StepComplete, StepFailed,
+            Terminated,
         };
         match self {
             Self::SetupExperiment | Self::EnterInitializationMode => state == Instantiated,

@@ -190,7 +190,11 @@ impl Range {
 
     /// The allowed values, for an error text.
     fn text(&self, unit: &str) -> String {
-        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        let unit = if unit == "1" {
+            String::new()
+        } else {
+            format!(" {unit}")
+        };
         match (self.min, self.max) {
             (Some(min), Some(max)) => format!("{min} to {max}{unit}"),
             (Some(min), None) => format!("at least {min}{unit}"),
@@ -338,7 +342,8 @@ impl<S, R> Variable<S, R> {
 
     /// Whether it can be set or read in intermediate update mode: real inputs and outputs can.
     pub(crate) fn is_intermediate(&self) -> bool {
-        matches!(self.kind, Kind::Real { .. }) && matches!(self.causality, Causality::Input | Causality::Output)
+        matches!(self.kind, Kind::Real { .. })
+            && matches!(self.causality, Causality::Input | Causality::Output)
     }
 
     /// Sets a setting to a value of its type, if that is within its limits. A number is a truth
@@ -396,7 +401,10 @@ impl<S, R> Variable<S, R> {
                 if of.items.iter().any(|item| i64::from(item.value) == number) {
                     return Ok(value);
                 }
-                let items = of.items.iter().map(|item| format!("{} {}", item.value, item.name));
+                let items = of
+                    .items
+                    .iter()
+                    .map(|item| format!("{} {}", item.value, item.name));
                 items.collect::<Vec<_>>().join(", ")
             }
             (Kind::Boolean { .. }, Value::Integer(number)) => return Ok(Value::Boolean(number != 0)),
@@ -473,7 +481,9 @@ impl<S, R> Table<S, R> {
         variables: Vec<Variable<S, R>>,
     ) -> Self {
         let numbered = variables.iter().enumerate();
-        let by_reference = numbered.map(|(index, variable)| (variable.reference, index)).collect();
+        let by_reference = numbered
+            .map(|(index, variable)| (variable.reference, index))
+            .collect();
         let is_used = |name| {
             variables
                 .iter()
@@ -503,7 +513,9 @@ impl<S, R> Table<S, R> {
     /// The array that a variable with this value reference is an element of.
     #[must_use]
     pub fn array_of(&self, reference: u32) -> Option<&Array> {
-        self.arrays.iter().find(|array| array.elements().contains(&reference))
+        self.arrays
+            .iter()
+            .find(|array| array.elements().contains(&reference))
     }
 
     /// The variables in order.
@@ -515,7 +527,9 @@ impl<S, R> Table<S, R> {
     /// The variable with a value reference.
     #[must_use]
     pub fn by_reference(&self, reference: u32) -> Option<&Variable<S, R>> {
-        self.by_reference.get(&reference).map(|index| &self.variables[*index])
+        self.by_reference
+            .get(&reference)
+            .map(|index| &self.variables[*index])
     }
 
     /// The variable with a name.

@@ -132,7 +132,11 @@ pub trait Unit: Clone + Sized {
     ///
     /// # Errors
     /// The settings do not fit, or there is no state to start from.
-    fn start(settings: &Self::Settings, experiment: &Experiment, messages: &mut Vec<Message>) -> Result<Self, String>;
+    fn start(
+        settings: &Self::Settings,
+        experiment: &Experiment,
+        messages: &mut Vec<Message>,
+    ) -> Result<Self, String>;
 
     /// The present time since the start, s.
     fn time(&self) -> f64;

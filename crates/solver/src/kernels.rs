@@ -90,7 +90,12 @@ pub fn gemm<const R: usize, const C: usize>(
 /// [`gemm`] for N columns of Y at a time: as many sums as the registers hold, so that each entry of A is read once for
 /// all of them.
 #[inline(always)]
-fn blocked<const R: usize, const C: usize, const N: usize>(update: Update, a: &[f64], x: &[f64], y: &mut [f64]) {
+fn blocked<const R: usize, const C: usize, const N: usize>(
+    update: Update,
+    a: &[f64],
+    x: &[f64],
+    y: &mut [f64],
+) {
     let a = &a[..R * C];
     let (x, y) = (x.as_chunks::<C>().0, y.as_chunks_mut::<R>().0);
     let ((x, x_rest), (y, y_rest)) = (x.as_chunks::<N>(), y.as_chunks_mut::<N>());
@@ -201,7 +206,11 @@ mod tests {
     #[test]
     fn products_are_those_of_any_size() {
         fn compare<const R: usize, const C: usize>(columns: usize) {
-            let (a, x, y) = (numbers(R * C, 1), numbers(C * columns, 2), numbers(R * columns, 3));
+            let (a, x, y) = (
+                numbers(R * C, 1),
+                numbers(C * columns, 2),
+                numbers(R * columns, 3),
+            );
             for update in [Update::Set, Update::Add, Update::Subtract] {
                 let (mut fixed, mut any, mut single) = (y.clone(), y.clone(), [y.clone(), y.clone()]);
                 gemm::<R, C>(update, [R, C], &a, &x, &mut fixed);

@@ -53,7 +53,13 @@ pub struct Counts {
 impl Counts {
     pub(super) fn each_mut(&mut self) -> [&mut u64; 5] {
         let [steps, rejected, failed] = [&mut self.steps, &mut self.rejected, &mut self.failed];
-        [steps, rejected, failed, &mut self.residuals, &mut self.factorizations]
+        [
+            steps,
+            rejected,
+            failed,
+            &mut self.residuals,
+            &mut self.factorizations,
+        ]
     }
 }
 
@@ -166,7 +172,11 @@ impl Stage {
             *rate = self.alpha * (y - base);
         }
         let beta = 1.0 / self.alpha;
-        let new = self.position.iter().zip(&*y).map(|(position, y)| position + beta * y);
+        let new = self
+            .position
+            .iter()
+            .zip(&*y)
+            .map(|(position, y)| position + beta * y);
         for ((q, has), new) in q.iter_mut().zip(has_position).zip(new) {
             *q = if *has { new } else { *q };
         }
@@ -307,7 +317,12 @@ impl Newton {
     ///
     /// # Errors
     /// No convergence: `stage.state.y` is then meaningless. Or the work is used up: the next call with this stage continues from there.
-    pub fn solve(&mut self, system: &mut impl System, stage: &mut Stage, reuse: bool) -> Result<(), Unsolved> {
+    pub fn solve(
+        &mut self,
+        system: &mut impl System,
+        stage: &mut Stage,
+        reuse: bool,
+    ) -> Result<(), Unsolved> {
         system.newton_scale(1.0 / stage.alpha, &mut self.scale);
         if !self.known {
             if self.bound.remaining <= 0.0 {

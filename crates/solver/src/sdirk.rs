@@ -110,7 +110,8 @@ impl Sdirk {
     #[must_use]
     pub fn slope_rate(&self, unknown: usize) -> f64 {
         let [first, second] = self.stages.each_ref().map(|stage| stage.state.y_dot[unknown]);
-        self.last_step.map_or(0.0, |h| (second - first) / ((1.0 - GAMMA) * h))
+        self.last_step
+            .map_or(0.0, |h| (second - first) / ((1.0 - GAMMA) * h))
     }
 
     /// Writes to an archive, or reads from it, all that later steps depend on but [the factored Jacobian](Newton::serialize_factors).
@@ -128,7 +129,10 @@ impl Sdirk {
         archive.indices(std::slice::from_mut(&mut self.open), 3);
         if self.open > 0 {
             let Stage {
-                base, position, state, ..
+                base,
+                position,
+                state,
+                ..
             } = &mut self.stages[self.open - 1];
             state.serialize(archive);
             archive.reals(base);

@@ -62,7 +62,11 @@ pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<(
     if options.paper {
         return run_paper(workspace).map(drop);
     }
-    let version = if options.fmi3 { Version::Three } else { Version::Two };
+    let version = if options.fmi3 {
+        Version::Three
+    } else {
+        Version::Two
+    };
     if options.map {
         return run_map(workspace, version).map(drop);
     }
@@ -120,7 +124,10 @@ pub fn run_portable(workspace: &Workspace, folder: &Path) -> anyhow::Result<()> 
     for version in [Version::Two, Version::Three] {
         let path = workspace.fmu(MODEL_IDENTIFIER, version);
         let name = path.file_name().context("an FMU has a name")?;
-        write(collect(workspace, &binaries, machines, version)?, &folder.join(name))?;
+        write(
+            collect(workspace, &binaries, machines, version)?,
+            &folder.join(name),
+        )?;
     }
     Ok(())
 }
@@ -191,7 +198,10 @@ pub fn run_map(workspace: &Workspace, version: Version) -> anyhow::Result<PathBu
     exports::check_standard(&bytes).with_context(|| format!("{} can't be packed", library.display()))?;
     archive.add(binary, bytes)?;
     archive.add("modelDescription.xml", description.into_bytes())?;
-    archive.add("resources/maps.json", read(&workspace.map_tables().join("maps.json"))?)?;
+    archive.add(
+        "resources/maps.json",
+        read(&workspace.map_tables().join("maps.json"))?,
+    )?;
     add_licenses(&mut archive, workspace)?;
     add_third_party(&mut archive, workspace, false)?;
     let path = workspace.fmu(MAP_IDENTIFIER, version);
@@ -252,7 +262,10 @@ fn collect(
         None => xml,
     };
     archive.add("modelDescription.xml", dated)?;
-    archive.add("terminalsAndIcons/terminalsAndIcons.xml", read(&workspace.terminals())?)?;
+    archive.add(
+        "terminalsAndIcons/terminalsAndIcons.xml",
+        read(&workspace.terminals())?,
+    )?;
     for (name, content) in icons::files() {
         archive.add(format!("terminalsAndIcons/{name}"), content)?;
     }
@@ -261,7 +274,10 @@ fn collect(
     let description = read(&workspace.model_description(Version::Two))?;
     let description = Description::parse(std::str::from_utf8(&description)?)?;
     archive.add("documentation/index.html", documentation(&description, interface))?;
-    archive.add("documentation/fmi-ls-ref.html", REFERENCE_PAGE.as_bytes().to_vec())?;
+    archive.add(
+        "documentation/fmi-ls-ref.html",
+        REFERENCE_PAGE.as_bytes().to_vec(),
+    )?;
     let reference = workspace.root().join("resources/reference");
     for extension in ["xml", "exp", "ssv", "csv"] {
         for (name, content) in files(&reference, extension)? {

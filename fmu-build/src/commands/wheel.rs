@@ -75,10 +75,12 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
 
 /// Names of the FMUs in the wheel, by identifier and version.
 fn names() -> impl Iterator<Item = (&'static str, Version, String)> {
-    [MODEL_IDENTIFIER, MAP_IDENTIFIER].into_iter().flat_map(|identifier| {
-        [(Version::Two, ""), (Version::Three, "3")]
-            .map(|(version, suffix)| (identifier, version, format!("{identifier}{suffix}.fmu")))
-    })
+    [MODEL_IDENTIFIER, MAP_IDENTIFIER]
+        .into_iter()
+        .flat_map(|identifier| {
+            [(Version::Two, ""), (Version::Three, "3")]
+                .map(|(version, suffix)| (identifier, version, format!("{identifier}{suffix}.fmu")))
+        })
 }
 
 /// The FMU of FMI 2.0 under the name that it has in the wheel, and the others in its folder.
@@ -86,7 +88,14 @@ fn beside(fmu: &Path) -> anyhow::Result<Vec<(PathBuf, String)>> {
     let folder = fmu.parent().context("a file has a folder")?;
     let found = names().map(|(identifier, version, name)| {
         let is_first = identifier == MODEL_IDENTIFIER && version == Version::Two;
-        (if is_first { fmu.to_owned() } else { folder.join(&name) }, name)
+        (
+            if is_first {
+                fmu.to_owned()
+            } else {
+                folder.join(&name)
+            },
+            name,
+        )
     });
     Ok(found.filter(|(path, _)| path == fmu || path.is_file()).collect())
 }

@@ -32,7 +32,12 @@ fn start(settings: &Settings) -> MapUnit {
 }
 
 /// A step to a time, s, with inputs that are held or change at `rates`.
-fn step(unit: &mut MapUnit, settings: &Settings, to: f64, rates: Option<Inputs>) -> Result<Vec<Message>, String> {
+fn step(
+    unit: &mut MapUnit,
+    settings: &Settings,
+    to: f64,
+    rates: Option<Inputs>,
+) -> Result<Vec<Message>, String> {
     let mut changing = settings.clone();
     changing.inputs = rates.unwrap_or(Inputs::ZERO);
     let mut remarks = Vec::new();

@@ -22,7 +22,11 @@ pub trait Case<const D: usize = 2, const N: usize = 10> {
     const ELEMENTS: usize = 40;
     /// A model with about `elements` elements, exactly so on a circle.
     fn model<C: AngledCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Self::Model<C>;
-    fn system<C: AngledCurve + Debug>(ring: Ring, curve: C, elements: usize) -> RingSystem<Self::Model<C>, D, N> {
+    fn system<C: AngledCurve + Debug>(
+        ring: Ring,
+        curve: C,
+        elements: usize,
+    ) -> RingSystem<Self::Model<C>, D, N> {
         RingSystem::new(Self::model(ring, curve, elements))
     }
 }

@@ -286,19 +286,20 @@ impl<const N: usize> ReferenceCurve for BeltDrive<N> {
         };
         let zero = Dual3_64::from_re(0.0);
         let (mut start, mut fits) = (zero, true);
-        let mut segment = |length: Dual3_64, chi: Dual3_64, sweep: Dual3_64, radius: f64, place: [Dual3_64; 2]| {
-            let segment = Segment {
-                start: lift(start),
-                length: lift(length),
-                chi: lift(chi),
-                sweep: lift(sweep),
-                radius,
-                place: place.map(lift),
+        let mut segment =
+            |length: Dual3_64, chi: Dual3_64, sweep: Dual3_64, radius: f64, place: [Dual3_64; 2]| {
+                let segment = Segment {
+                    start: lift(start),
+                    length: lift(length),
+                    chi: lift(chi),
+                    sweep: lift(sweep),
+                    radius,
+                    place: place.map(lift),
+                };
+                start += length;
+                fits &= length.re > 0.0;
+                segment
             };
-            start += length;
-            fits &= length.re > 0.0;
-            segment
-        };
         let mut chi = zero;
         let both: [_; N] = from_fn(|j| {
             let radius = self.pulleys[j].radius;
@@ -374,7 +375,11 @@ impl<const N: usize> AngledCurve for BeltDrive<N> {
         self.tensioner.is_some()
     }
 
-    fn tangent_angle<T: Real>(frame: &DriveFrame<T, N>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
+    fn tangent_angle<T: Real>(
+        frame: &DriveFrame<T, N>,
+        segment: usize,
+        fraction: T::Constant,
+    ) -> TangentAngle<T> {
         let s = frame.segment(segment);
         TangentAngle {
             chi: s.chi.plus_scaled(s.sweep, fraction),

@@ -42,7 +42,10 @@ impl Record {
 
     /// Largest |s|, m.
     pub fn largest_drift(&self) -> f64 {
-        self.samples.iter().map(|sample| sample.drift.abs()).fold(0.0, f64::max)
+        self.samples
+            .iter()
+            .map(|sample| sample.drift.abs())
+            .fold(0.0, f64::max)
     }
 }
 
@@ -66,7 +69,9 @@ pub fn record<M: RingFormulation>(
     let mut samples = vec![sample(system, &state, 0.0)];
     for k in 0..count {
         let span = [k, k + 1].map(|k| k as f64 * step);
-        if advance(&mut integrator, system, &mut state, span).is_err() || state.q[system.theta()].abs() > limit {
+        if advance(&mut integrator, system, &mut state, span).is_err()
+            || state.q[system.theta()].abs() > limit
+        {
             break;
         }
         samples.push(sample(system, &state, span[1]));

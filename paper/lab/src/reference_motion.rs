@@ -19,7 +19,8 @@ pub fn rigid<C: AngledCurve + Debug>(curve: C, mesh: RingMesh) -> RingSystem<Ale
 }
 
 /// Reference values for the solid ring: Θ, bending energy, J, and M_ΘΘ, kg·m².
-pub const REFERENCE_NUMBERS: [(f64, f64, f64); 2] = [(0.0, 1_151_453.8, 3.10883), (0.4, 1_298_705.6, 2.04239)];
+pub const REFERENCE_NUMBERS: [(f64, f64, f64); 2] =
+    [(0.0, 1_151_453.8, 3.10883), (0.4, 1_298_705.6, 2.04239)];
 
 /// Reference value of the frequency of its small oscillation, rad/s.
 pub const REFERENCE_FREQUENCY: f64 = 718.05;
@@ -30,7 +31,11 @@ pub fn reference_numbers(theta: f64) -> (Energy, f64, f64) {
     let state = system.rest(theta);
     let mass = system.mass_matrix(&state.q);
     let (s, theta) = (system.drift(), system.theta());
-    (system.energy(state.view()), mass[(theta, theta)], mass[(s, theta)])
+    (
+        system.energy(state.view()),
+        mass[(theta, theta)],
+        mass[(s, theta)],
+    )
 }
 
 /// Frequency of the reference motion's small oscillation, rad/s.

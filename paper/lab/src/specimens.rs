@@ -37,14 +37,18 @@ impl Specimen {
         Self {
             name: "ring of bench168",
             ring,
-            curve: TwoPulley::new(parameters.geometry.center_distance, parameters.geometry.belt_length),
+            curve: TwoPulley::new(
+                parameters.geometry.center_distance,
+                parameters.geometry.belt_length,
+            ),
         }
     }
 
     /// One of its layers.
     pub fn layer() -> Self {
         let all = Self::bench168();
-        let share = 1.0 / f64::from(u32::try_from(2 * Parameters::default().layers.count).expect("some layers"));
+        let share =
+            1.0 / f64::from(u32::try_from(2 * Parameters::default().layers.count).expect("some layers"));
         Self {
             name: "one layer of bench168",
             ring: Ring {

@@ -20,7 +20,11 @@ pub trait AngledCurve: ReferenceCurve {
     }
 
     /// Tangent angle and curvature at fraction `fraction` of `segment`.
-    fn tangent_angle<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T>;
+    fn tangent_angle<T: Real>(
+        frame: &Self::Frame<T>,
+        segment: usize,
+        fraction: T::Constant,
+    ) -> TangentAngle<T>;
 
     /// The curve at the place ξ, m, taken around the loop.
     fn at(&self, frame: &Self::Frame<f64>, xi: f64) -> ReferencePoint<f64> {
@@ -30,7 +34,11 @@ pub trait AngledCurve: ReferenceCurve {
 }
 
 impl AngledCurve for TwoPulley {
-    fn tangent_angle<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
+    fn tangent_angle<T: Real>(
+        frame: &TwoPulleyFrame<T>,
+        segment: usize,
+        fraction: T::Constant,
+    ) -> TangentAngle<T> {
         let (pulley, chi) = frame.angle(segment, fraction);
         let is_strand = segment % 2 == 1;
         let kappa = if is_strand {

@@ -5,7 +5,9 @@
 //! curvature of an arc does not depend on ξ, so κ_Θ is the same. As in the paper's (18), the border terms are missing: when
 //! a border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature lacks ½EI\[κ²\] dξ_k/dΘ.
 
-use super::{AngledCurve, CoordinateDerivatives, Jet, PointDerivatives, ReferenceCurve, ReferencePoint, TangentAngle};
+use super::{
+    AngledCurve, CoordinateDerivatives, Jet, PointDerivatives, ReferenceCurve, ReferencePoint, TangentAngle,
+};
 use crate::scalar::{LANES, Real};
 use nalgebra::Vector2;
 
@@ -102,7 +104,9 @@ impl<C: AngledCurve> Unaligned<C> {
         let n = p.n - p.t * (p.kappa * step);
         let r_theta = p.r_theta + (p.t * length.d + p.n * (length.v * chi.d)) * df;
         let r_theta2 = p.r_theta2
-            + (p.t * (length.dd - length.v * chi.d * chi.d) + p.n * (length.d * chi.d * 2.0 + length.v * chi.dd)) * df;
+            + (p.t * (length.dd - length.v * chi.d * chi.d)
+                + p.n * (length.d * chi.d * 2.0 + length.v * chi.dd))
+                * df;
         let chi_theta = chi.d + (length.d * p.kappa + length.v * p.kappa_theta) * df;
         let (along, along2) = (p.xi.d + length.d * df, p.xi.dd + length.dd * df);
         // From fixed η to fixed ξ.
@@ -183,7 +187,11 @@ impl<C: AngledCurve> AngledCurve for Unaligned<C> {
         self.curve.has_ratio()
     }
 
-    fn tangent_angle<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> TangentAngle<T> {
+    fn tangent_angle<T: Real>(
+        frame: &Self::Frame<T>,
+        _segment: usize,
+        fraction: T::Constant,
+    ) -> TangentAngle<T> {
         let of = |segment| Self::tangent_angle_in(frame, segment, fraction);
         Self::gather::<T, _>(frame, fraction, of, merge_angles)
     }
@@ -278,10 +286,14 @@ mod tests {
     fn lanes_of_a_pack_equal_separate_evaluations() {
         let pulleys = TwoPulley::new(0.168, 0.703);
         let theta = -0.35;
-        let pack = Unaligned::frame_of(&pulleys, pulleys.frame(Tangent::<2>::seed(Lanes::from(theta), 1, 1.0)));
+        let pack = Unaligned::frame_of(
+            &pulleys,
+            pulleys.frame(Tangent::<2>::seed(Lanes::from(theta), 1, 1.0)),
+        );
         let alone = Unaligned { curve: pulleys }.frame(Dual::seed(theta, 0, 1.0));
         for k in 0..40 {
-            let f: [f64; LANES] = std::array::from_fn(|lane| ((f64::from(k) + 23.0 * lane as f64) / 40.0 + 0.01) % 1.0);
+            let f: [f64; LANES] =
+                std::array::from_fn(|lane| ((f64::from(k) + 23.0 * lane as f64) / 40.0 + 0.01) % 1.0);
             let packed = Unaligned::<TwoPulley>::point(&pack, 0, Lanes::new(f));
             for (lane, &f) in f.iter().enumerate() {
                 let single = Unaligned::<TwoPulley>::point(&alone, 0, f);

@@ -70,7 +70,10 @@ impl LagrangianElement for AncfElement {
     }
 
     #[inline(always)]
-    fn particle<T: Real + Mul<W, Output = T>, W: Real>(motion: &AncfMotion<T>, shape: &Hermite<W>) -> Particle<T> {
+    fn particle<T: Real + Mul<W, Output = T>, W: Real>(
+        motion: &AncfMotion<T>,
+        shape: &Hermite<W>,
+    ) -> Particle<T> {
         let g = T::from(2.0 / motion.length);
         let d = &motion.d;
         Particle {

@@ -104,7 +104,11 @@ impl<E: LagrangianElement, C: AngledCurve> LagrangianRing<E, C> {
     /// The particle at the local coordinate x of an element with these unknowns. x may have derivatives: a station fixed in
     /// space is at x̄ = ξ(Θ) − s, so x depends on s and Θ.
     #[inline(always)]
-    pub fn particle_at<T: Real + Mul<W, Output = T>, W: Real>(&self, unknowns: &[Motion<T>], x: W) -> Particle<T> {
+    pub fn particle_at<T: Real + Mul<W, Output = T>, W: Real>(
+        &self,
+        unknowns: &[Motion<T>],
+        x: W,
+    ) -> Particle<T> {
         E::particle(&self.motion(unknowns), &E::shape(x))
     }
 
@@ -153,7 +157,11 @@ impl<E: LagrangianElement, C: AngledCurve> LagrangianRing<E, C> {
     /// A strain rate, or zero without damping.
     #[inline(always)]
     fn damped<T: Real>(&self, rate: impl FnOnce() -> T) -> T {
-        if self.ring.damping == 0.0 { T::zero() } else { rate() }
+        if self.ring.damping == 0.0 {
+            T::zero()
+        } else {
+            rate()
+        }
     }
 
     /// Balance of an element with these unknowns, the same function for all elements.
@@ -188,9 +196,10 @@ impl<E: LagrangianElement, C: AngledCurve> LagrangianRing<E, C> {
     #[inline(always)]
     fn mean<T: Real>(&self, motion: &E::Motion<T>, of: impl Fn(&Particle<T>) -> T) -> T {
         let share = self.element_length().recip();
-        self.particles(motion).fold(T::zero(), |sum, (_, particle, weight)| {
-            sum + of(&particle) * (weight * share)
-        })
+        self.particles(motion)
+            .fold(T::zero(), |sum, (_, particle, weight)| {
+                sum + of(&particle) * (weight * share)
+            })
     }
 }
 
@@ -277,7 +286,12 @@ impl<E: LagrangianElement, C: AngledCurve + std::fmt::Debug> RingFormulation for
     }
 
     #[inline(always)]
-    fn balance<T: Real<Constant = f64>>(&self, (): &(), _element: usize, motion: &Coordinates<T>) -> [T; DIRECTIONS] {
+    fn balance<T: Real<Constant = f64>>(
+        &self,
+        (): &(),
+        _element: usize,
+        motion: &Coordinates<T>,
+    ) -> [T; DIRECTIONS] {
         self.law(motion)
     }
 
@@ -297,9 +311,15 @@ impl<E: LagrangianElement, C: AngledCurve + std::fmt::Debug> RingFormulation for
             self.mean(&element, |p| p.strain().powi(2))
         };
         Energy {
-            kinetic: half(ring.mass_per_length, self.mean(&element, |p| p.velocity.norm_squared())),
+            kinetic: half(
+                ring.mass_per_length,
+                self.mean(&element, |p| p.velocity.norm_squared()),
+            ),
             membrane: half(ring.axial_stiffness, strain),
-            bending: half(ring.bending_stiffness, self.mean(&element, |p| p.curvature().powi(2))),
+            bending: half(
+                ring.bending_stiffness,
+                self.mean(&element, |p| p.curvature().powi(2)),
+            ),
         }
     }
 

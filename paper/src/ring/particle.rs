@@ -113,7 +113,10 @@ impl<T: Real, const D: usize> ParticleLoad<T, D> {
 /// δσ the drift through the mesh. The part in δσ of a load on r'' is neglected, because it contains r'''.
 #[inline(always)]
 #[must_use]
-pub fn load_of_particle<T: Real, const D: usize>(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> LineLoad<T, D> {
+pub fn load_of_particle<T: Real, const D: usize>(
+    load: &ParticleLoad<T, D>,
+    point: &RingPoint<T, D>,
+) -> LineLoad<T, D> {
     LineLoad {
         position: load.position,
         slope: load.slope,

@@ -172,13 +172,20 @@ impl LagrangianElement for RcmElement {
         let [r, slope] = shape(start);
         let g = (shape(start + length)[0] - r) / length;
         let deflection = |x: f64| (shape(start + x * length)[0] - r).dot(&turn_right(g)) / g.norm_squared();
-        block.copy_from_slice(&[r.x, r.y, slope.x.atan2(slope.y), deflection(0.25), deflection(0.75)]);
+        block.copy_from_slice(&[
+            r.x,
+            r.y,
+            slope.x.atan2(slope.y),
+            deflection(0.25),
+            deflection(0.75),
+        ]);
     }
 
     #[inline(always)]
     fn motion<T: Real>(length: f64, unknowns: &[Motion<T>]) -> RcmMotion<T> {
         let scale = T::from(length.recip());
-        let node = |at: usize, of: fn(&Motion<T>) -> T| Vector2::new(of(&unknowns[at]), of(&unknowns[at + 1]));
+        let node =
+            |at: usize, of: fn(&Motion<T>) -> T| Vector2::new(of(&unknowns[at]), of(&unknowns[at + 1]));
         let chord = |of: fn(&Motion<T>) -> T| (node(5, of) - node(0, of)) * scale;
         let g = Motion {
             value: chord(|m| m.value),
@@ -207,7 +214,8 @@ impl LagrangianElement for RcmElement {
             Motion {
                 value,
                 rate,
-                acceleration: (along_acceleration - rate * square_rate * 2.0 - value * square_acceleration) * inverse,
+                acceleration: (along_acceleration - rate * square_rate * 2.0 - value * square_acceleration)
+                    * inverse,
             }
         };
         let ends = [slope(&tangent[0], left), slope(&tangent[1], right)];
@@ -238,7 +246,10 @@ impl LagrangianElement for RcmElement {
     }
 
     #[inline(always)]
-    fn particle<T: Real + Mul<W, Output = T>, W: Real>(motion: &RcmMotion<T>, shape: &RcmShape<W>) -> Particle<T> {
+    fn particle<T: Real + Mul<W, Output = T>, W: Real>(
+        motion: &RcmMotion<T>,
+        shape: &RcmShape<W>,
+    ) -> Particle<T> {
         let l = motion.length;
         let Motion {
             value: p,

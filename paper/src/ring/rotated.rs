@@ -25,16 +25,24 @@ pub struct RotatedElement<T: Real> {
 
 impl<T: Real> RotatedElement<T> {
     /// Converts the slopes of `nodes` from e to d'. `curvature` is that of the reference curve at the two ends.
-    pub fn new<const D: usize>(curvature: [Jet<T>; 2], theta: &Motion<T>, nodes: &mut [Motion<Node<T, D>>; 2]) -> Self {
+    pub fn new<const D: usize>(
+        curvature: [Jet<T>; 2],
+        theta: &Motion<T>,
+        nodes: &mut [Motion<Node<T, D>>; 2],
+    ) -> Self {
         let deflection = [in_plane(&nodes[0].value.a), in_plane(&nodes[1].value.a)];
         for (node, k) in nodes.iter_mut().zip(&curvature) {
             let [rate, acceleration] = theta.rates(k);
-            let [a, a_dot, a_ddot] = [node.value.a, node.rate.a, node.acceleration.a].map(|a| turn_right(in_plane(&a)));
+            let [a, a_dot, a_ddot] =
+                [node.value.a, node.rate.a, node.acceleration.a].map(|a| turn_right(in_plane(&a)));
             node.value.b += embed(a * k.v);
             node.rate.b += embed(a * rate + a_dot * k.v);
             node.acceleration.b += embed(a * acceleration + a_dot * (rate * 2.0) + a_ddot * k.v);
         }
-        Self { curvature, deflection }
+        Self {
+            curvature,
+            deflection,
+        }
     }
 
     /// Converts conjugates of d' to those of the nodes' e and of Θ.

@@ -10,7 +10,8 @@ use crate::solver::View;
 use crate::travelling::order::nodal;
 use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtPoint};
 use pushbelt::variator::ring_models::{
-    AtStation, CELL_POINTS, CellGeometry, CellInput, CellMotion, CellPoints, InForce, Layout, StateComponent, balance,
+    AtStation, CELL_POINTS, CellGeometry, CellInput, CellMotion, CellPoints, InForce, Layout, StateComponent,
+    balance,
 };
 use std::ops::Mul;
 
@@ -163,7 +164,8 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             stations: &of_mesh.stations,
             axis: law.axes[of_mesh.pulley],
             plane: [plane.side, plane.middle],
-            length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.length),
+            length: Jet::constant(0.0)
+                .plus_scaled(TwoPulley::segment_length(frame, element.segment), element.length),
             layer_drag: layers[of_mesh.pulley as usize],
             rotation_drag: rotation_drag[of_mesh.pulley as usize],
         };

@@ -62,7 +62,10 @@ fn points(mesh: &BeltMesh, frame: &TwoPulleyFrame<f64>) -> Vec<([f64; CELL_POINT
     let of = |cell: &Cell| {
         let segment = mesh.elements[cell.element].segment;
         let mut xi = [0.0; CELL_POINTS];
-        for (xi, station) in xi.iter_mut().zip(std::iter::once(&cell.face).chain(&cell.stations)) {
+        for (xi, station) in xi
+            .iter_mut()
+            .zip(std::iter::once(&cell.face).chain(&cell.stations))
+        {
             *xi = TwoPulley::point(frame, segment, station.fraction).xi.v;
         }
         (xi, 1 + cell.stations.len())
@@ -83,7 +86,12 @@ fn shapes(parameters: &Parameters, curve: &TwoPulley) -> Vec<f64> {
 }
 
 /// Number and size of the blocks that contain every coupling of a travelling ring, at all ratios between the stops.
-pub(crate) fn blocks(layout: &Layout, mesh: &BeltMesh, parameters: &Parameters, curve: &TwoPulley) -> [usize; 2] {
+pub(crate) fn blocks(
+    layout: &Layout,
+    mesh: &BeltMesh,
+    parameters: &Parameters,
+    curve: &TwoPulley,
+) -> [usize; 2] {
     let travelling = &Travelling::of(layout, curve);
     let total = 2 * layout.cells() + travelling.nodes * travelling.block;
     let mut places = vec![0; total];

@@ -15,7 +15,11 @@ use std::f64::consts::TAU;
 
 /// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With `amplitude` 0 the state
 /// moves along s and Θ only.
-fn smooth_wave<C: AngledCurve + std::fmt::Debug>(system: &RingSystem<AleRing<C>>, theta: f64, amplitude: f64) -> State {
+fn smooth_wave<C: AngledCurve + std::fmt::Debug>(
+    system: &RingSystem<AleRing<C>>,
+    theta: f64,
+    amplitude: f64,
+) -> State {
     let mut state = system.rest(theta);
     let length = system.model.length();
     let frame = system.model.curve.frame::<f64>(theta);
@@ -70,14 +74,17 @@ fn wave_inertia_error<C: AngledCurve + std::fmt::Debug>(
 /// quadrature integrates inexactly: the difference must decrease with Gauss points and with the mesh.
 #[test]
 fn forms_of_inertia() {
-    let mesh = |refinement: usize, points: usize| RingMesh::even(&[1, 1, 2, 1, 1].map(|n| n * refinement), points);
+    let mesh =
+        |refinement: usize, points: usize| RingMesh::even(&[1, 1, 2, 1, 1].map(|n| n * refinement), points);
     let deflecting = |inertia, refinement, points| {
         wave_inertia_error(flexible(solid_curve(), mesh(refinement, points)), inertia, 1.0)
     };
     let reference = |inertia, points| wave_inertia_error(rigid(solid_curve(), mesh(1, points)), inertia, 0.0);
     for points in 2..=5 {
         assert!(deflecting(Inertia::Conservative, 1, points) < 1e-9);
-        assert!(reference(Inertia::Conservative, points) < 1e-9 && reference(Inertia::Pointwise, points) < 1e-9);
+        assert!(
+            reference(Inertia::Conservative, points) < 1e-9 && reference(Inertia::Pointwise, points) < 1e-9
+        );
     }
     let by_points: Vec<f64> = (2..=5)
         .map(|points| deflecting(Inertia::Pointwise, 1, points))
@@ -168,7 +175,8 @@ fn reference_oscillation_has_the_reference_numbers() {
 fn reference_oscillation_conserves_energy() {
     let mut drifts = Vec::new();
     for tolerance in [1.0e-6, 1.0e-7, 1.0e-8] {
-        let (_, record, swing) = reference_oscillation(solid_curve(), RingMesh::even(&[2, 2, 4, 2, 2], 5), tolerance);
+        let (_, record, swing) =
+            reference_oscillation(solid_curve(), RingMesh::even(&[2, 2, 4, 2, 2], 5), tolerance);
         let (low, high) = record.ratios();
         let drift = record.energy_drift() / swing;
         println!(
@@ -259,7 +267,10 @@ fn evenly_spaced_mesh_does_not_conserve() {
     };
     let aligned = swing(solid_curve(), RingMesh::even(&[3, 6, 6, 6, 3], 3), 1.0e-7);
     let evens = [even(24, 1.0e-6), even(24, 1.0e-7), even(96, 1.0e-7)];
-    println!("evenly spaced{}, aligned {aligned:.1e} of the swing", list(&evens));
+    println!(
+        "evenly spaced{}, aligned {aligned:.1e} of the swing",
+        list(&evens)
+    );
     assert!(aligned < 1e-3 && evens.iter().all(|&drift| drift > 0.1));
 }
 
@@ -298,7 +309,9 @@ fn a_lock_to_the_reference_curve_bears_a_force() {
             state.q[x] += 1.0e-3;
         }
         let after = system.energy(state.view());
-        assert!((after.bending + after.membrane - before.bending - before.membrane).abs() < 1e-9 * before.bending);
+        assert!(
+            (after.bending + after.membrane - before.bending - before.membrane).abs() < 1e-9 * before.bending
+        );
         ways
     };
     let (locked, theta_held) = (path(false), path(true));
@@ -315,7 +328,11 @@ fn a_lock_to_the_reference_curve_bears_a_force() {
 #[test]
 fn evenly_spaced_inertia_is_lagranges() {
     let curve = Unaligned { curve: solid_curve() };
-    let off = wave_inertia_error(flexible(curve, RingMesh::even(&[8], 3)), Inertia::Conservative, 1.0);
+    let off = wave_inertia_error(
+        flexible(curve, RingMesh::even(&[8], 3)),
+        Inertia::Conservative,
+        1.0,
+    );
     assert!(off < 1e-8, "{off}");
 }
 

@@ -6,7 +6,10 @@ use pushbelt_paper_lab::drive::{BeltDrive, DriveError, DrivePulley, Tensioner};
 use std::f64::consts::TAU;
 
 fn pulley(x: f64, y: f64, radius: f64) -> DrivePulley {
-    DrivePulley { center: [x, y], radius }
+    DrivePulley {
+        center: [x, y],
+        radius,
+    }
 }
 
 /// Two pulleys and a back-side idler on the lower strand.
@@ -41,7 +44,10 @@ fn a_drive_with_two_pulleys_is_the_two_pulley_curve() {
             curve.at(&curve.frame::<f64>(theta), xi),
         );
         let off = [(a.r - b.r).norm(), (a.t - b.t).norm(), (a.kappa - b.kappa).abs()];
-        assert!(off[0] < 1e-13 && off[1] < 1e-12 && off[2] < 1e-9, "ξ = {xi}: {off:?}");
+        assert!(
+            off[0] < 1e-13 && off[1] < 1e-12 && off[2] < 1e-9,
+            "ξ = {xi}: {off:?}"
+        );
     }
 }
 
@@ -80,7 +86,8 @@ fn derivatives_match_differences() {
         for segment in 0..drive.segments() {
             for f in [0.0, 0.3, 1.0] {
                 let at = |theta: f64, f: f64| BeltDrive::<3>::point::<f64>(&drive.frame(theta), segment, f);
-                let angle = |theta: f64| BeltDrive::<3>::tangent_angle::<f64>(&drive.frame(theta), segment, f).chi;
+                let angle =
+                    |theta: f64| BeltDrive::<3>::tangent_angle::<f64>(&drive.frame(theta), segment, f).chi;
                 let (p, plus, minus) = (at(theta, f), at(theta + h, f), at(theta - h, f));
                 close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-8);
                 close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-6);
@@ -102,10 +109,17 @@ fn derivatives_match_differences() {
 
 #[test]
 fn impossible_drives_are_refused() {
-    assert_eq!(BeltDrive::new([pulley(0.0, 0.0, 0.1)]).unwrap_err(), DriveError::TooFew);
+    assert_eq!(
+        BeltDrive::new([pulley(0.0, 0.0, 0.1)]).unwrap_err(),
+        DriveError::TooFew
+    );
     let inside = BeltDrive::new([pulley(0.0, 0.0, 0.1), pulley(0.01, 0.0, 0.05)]);
     assert_eq!(inside.unwrap_err(), DriveError::Wrap(0));
-    let backwards = BeltDrive::new([pulley(0.3, 0.0, 0.05), pulley(0.0, 0.0, 0.05), pulley(0.15, 0.1, 0.02)]);
+    let backwards = BeltDrive::new([
+        pulley(0.3, 0.0, 0.05),
+        pulley(0.0, 0.0, 0.05),
+        pulley(0.15, 0.1, 0.02),
+    ]);
     assert!(backwards.is_err());
     let fixed = Tensioner {
         pulley: 0,

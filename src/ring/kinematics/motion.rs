@@ -33,7 +33,12 @@ impl<L: Real> Hermite<L> {
                 (-(x * x) + 1.0) * 0.75,
                 (x * 2.0 - 1.0 + x * 3.0 * x) * 0.125,
             ],
-            ddn: [x * 1.5, (x * 3.0 - 1.0) * 0.25, -(x * 1.5), (x * 3.0 + 1.0) * 0.25],
+            ddn: [
+                x * 1.5,
+                (x * 3.0 - 1.0) * 0.25,
+                -(x * 1.5),
+                (x * 3.0 + 1.0) * 0.25,
+            ],
         }
     }
 }
@@ -44,7 +49,9 @@ pub fn combine<T: Real + Mul<W, Output = T>, W: Copy, const D: usize>(
     weights: &[W; 4],
     d: &[SVector<T, D>; 4],
 ) -> SVector<T, D> {
-    SVector::from_fn(|i, _| d[0][i] * weights[0] + d[1][i] * weights[1] + d[2][i] * weights[2] + d[3][i] * weights[3])
+    SVector::from_fn(|i, _| {
+        d[0][i] * weights[0] + d[1][i] * weights[1] + d[2][i] * weights[2] + d[3][i] * weights[3]
+    })
 }
 
 /// Deflection and slope of a node, or a time derivative of them.

@@ -39,7 +39,11 @@ fn parts_with(tension: impl Fn(usize, f64) -> f64) -> Vec<RingPart> {
     let of_section = |(number, count, turning, start): (usize, usize, f64, f64)| {
         let turning = turning / count as f64;
         let on_arc = turning * (RADII[number] + 1e-3);
-        let length = if turning > 0.0 { on_arc } else { 0.16 / count as f64 };
+        let length = if turning > 0.0 {
+            on_arc
+        } else {
+            0.16 / count as f64
+        };
         let part = |k: usize| RingPart {
             xi: 0.0,
             length,
@@ -84,7 +88,10 @@ fn mean(parts: &[RingPart], of: impl Fn(usize) -> f64) -> f64 {
 /// A number that is another up to rounding.
 #[track_caller]
 fn close(found: f64, expected: f64) {
-    assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
+    assert!(
+        (found - expected).abs() < 1e-9 * expected.abs(),
+        "{found} {expected}"
+    );
 }
 
 /// The part at the middle of a strand: 0 follows the secondary arc.
@@ -157,7 +164,9 @@ fn layers_that_stick_share_the_tension() {
         friction: 1e-3,
         ..LAYERS
     };
-    let outer = tensions(&slippery, even, &parts).into_iter().map(|[_, outer]| outer);
+    let outer = tensions(&slippery, even, &parts)
+        .into_iter()
+        .map(|[_, outer]| outer);
     let outer = DVector::from_iterator(parts.len(), outer);
     let pressing = mean(&parts, |k| parts[k].tension) - RING.mass_per_length * SPEED.powi(2);
     close(9.0 * (outer.max() - outer.min()), 1e-3 * pressing * WRAPS[0]);

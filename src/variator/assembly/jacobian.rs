@@ -7,7 +7,9 @@ use crate::variator::assembly::kinds::{RingKind, frame, pack_balance, rows};
 use crate::variator::assembly::pack::{Pack, Unknowns};
 use crate::variator::belt::equations::InForce;
 use crate::variator::cell::degrees::DegreesOfFreedom;
-use crate::variator::cell::laws::{ARGUMENTS, Arguments, OfLaws, Tangents, record_arguments, record_tangents};
+use crate::variator::cell::laws::{
+    ARGUMENTS, Arguments, OfLaws, Tangents, record_arguments, record_tangents,
+};
 use crate::variator::cell::variation::Linearised;
 use crate::variator::law::arguments::{CellBalance, StateComponent};
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -106,7 +108,11 @@ impl<C: MeshCurve> Frames<C> {
         [update, by_hand]: [bool; 2],
     ) -> Self {
         let (degrees, factors) = (K::DEGREES, [beta, 1.0, alpha]);
-        let of_curve = if update { 0..0 } else { degrees.drift..degrees.sheave };
+        let of_curve = if update {
+            0..0
+        } else {
+            degrees.drift..degrees.sheave
+        };
         let others = if update || by_hand {
             [0..0, 0..0]
         } else {
@@ -123,8 +129,9 @@ impl<C: MeshCurve> Frames<C> {
             still: None,
         };
         let pass_from = |first: usize| {
-            let seed =
-                |k: usize, value, component| seed(&factors, Lanes::from(value), component, degrees.theta + k, first);
+            let seed = |k: usize, value, component| {
+                seed(&factors, Lanes::from(value), component, degrees.theta + k, first)
+            };
             let path = std::array::from_fn(|k| Jet {
                 v: seed(k, path[k].v, StateComponent::Position),
                 d: seed(k, path[k].d, StateComponent::Value),
@@ -133,7 +140,11 @@ impl<C: MeshCurve> Frames<C> {
             frame::<_, K, C>(curve, path)
         };
         // Frames are kilobytes, so they are written in place.
-        for (to, first) in frames.moving.iter_mut().zip(frames.of_curve.clone().step_by(PASS)) {
+        for (to, first) in frames
+            .moving
+            .iter_mut()
+            .zip(frames.of_curve.clone().step_by(PASS))
+        {
             *to = Some(pass_from(first));
         }
         if !frames.others[0].is_empty() {
@@ -151,7 +162,11 @@ impl<C: MeshCurve> Frames<C> {
                 .step_by(PASS)
                 .map(move |first| first..end.min(first + PASS))
         };
-        let others = self.others.iter().flat_map(passes).zip(std::iter::repeat(&self.still));
+        let others = self
+            .others
+            .iter()
+            .flat_map(passes)
+            .zip(std::iter::repeat(&self.still));
         let all = passes(&self.of_curve).zip(&self.moving).chain(others);
         all.filter_map(|(pass, frame)| Some((pass, frame.as_ref()?)))
     }
@@ -159,6 +174,12 @@ impl<C: MeshCurve> Frames<C> {
 
 /// A part of unknown `k` with its derivatives in the directions of a pass from `first` on.
 #[inline(always)]
-fn seed(factors: &[f64; 3], value: Lanes, component: StateComponent, k: usize, first: usize) -> Tangent<PASS> {
+fn seed(
+    factors: &[f64; 3],
+    value: Lanes,
+    component: StateComponent,
+    k: usize,
+    first: usize,
+) -> Tangent<PASS> {
     Tangent::seed(value, k.wrapping_sub(first), factors[component as usize])
 }

@@ -85,7 +85,10 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
 /// The frame of the curve at one place of a path, which a ring of kind `K` follows: with the motion of Θ as the variable, unless
 /// the curve has other coordinates.
 #[inline(always)]
-pub(crate) fn frame<T: Real, K: DegreesOfFreedom, C: MeshCurve>(curve: &TwoPulley, mut path: Path<T>) -> C::Frame<T> {
+pub(crate) fn frame<T: Real, K: DegreesOfFreedom, C: MeshCurve>(
+    curve: &TwoPulley,
+    mut path: Path<T>,
+) -> C::Frame<T> {
     if K::DEGREES.coordinates == 1 {
         path = along_theta(path[0].v);
     }
@@ -122,7 +125,9 @@ pub(crate) fn pack_balance<T: Real<Constant = Lanes>, K: RingKind<D, C>, const D
 
 /// Motion of the nodes (`ALE`), from the `unknown` of a part and a direction.
 #[inline(always)]
-pub fn nodes<T: Real, const D: usize>(unknown: impl Fn(StateComponent, usize) -> T) -> [Motion<Node<T, D>>; 2] {
+pub fn nodes<T: Real, const D: usize>(
+    unknown: impl Fn(StateComponent, usize) -> T,
+) -> [Motion<Node<T, D>>; 2] {
     [0, 2 * D].map(|first| {
         let node = |component: StateComponent| Node {
             a: SVector::from_fn(|k, _| unknown(component, first + 2 * k)),
@@ -138,7 +143,9 @@ pub fn nodes<T: Real, const D: usize>(unknown: impl Fn(StateComponent, usize) ->
 
 /// Motion of a cell, from the `unknown` of a part and a direction.
 #[inline(always)]
-pub(crate) fn motion<T: Real, K: DegreesOfFreedom>(unknown: impl Fn(StateComponent, usize) -> T) -> CellMotion<T> {
+pub(crate) fn motion<T: Real, K: DegreesOfFreedom>(
+    unknown: impl Fn(StateComponent, usize) -> T,
+) -> CellMotion<T> {
     let degrees = K::DEGREES;
     let mut motion = CellMotion::of_unknowns([degrees.nodes, degrees.drift, degrees.sheave], unknown);
     if degrees.coordinates > 1 {
@@ -157,7 +164,11 @@ pub(crate) fn rows<T: Real, K: DegreesOfFreedom, const D: usize>(
 ) -> [T; MOST_ROWS] {
     let degrees = K::DEGREES;
     let mut rows = [T::zero(); MOST_ROWS];
-    for (node, rows) in ring.nodes.iter().zip(rows[..degrees.nodes].chunks_exact_mut(2 * D)) {
+    for (node, rows) in ring
+        .nodes
+        .iter()
+        .zip(rows[..degrees.nodes].chunks_exact_mut(2 * D))
+    {
         for k in 0..D {
             [rows[2 * k], rows[2 * k + 1]] = [node.a[k], node.b[k]];
         }

@@ -74,7 +74,8 @@ impl Pack {
             stations: &self.points.stations,
             axis: self.axis,
             plane: self.plane,
-            length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, self.segment), self.of_segment[1]),
+            length: Jet::constant(0.0)
+                .plus_scaled(C::segment_length(frame, self.segment), self.of_segment[1]),
             layer_drag,
             rotation_drag,
         }
@@ -198,7 +199,9 @@ impl Pack {
         let whole = to.len() - to.len() % LANES;
         let (runs, rest) = to.split_at_mut(whole);
         for (run, to) in runs.chunks_exact_mut(LANES).enumerate() {
-            to.copy_from_slice(&Lanes::transposed(nodes.map(|node| Lanes::read(&node[LANES * run..]))));
+            to.copy_from_slice(&Lanes::transposed(
+                nodes.map(|node| Lanes::read(&node[LANES * run..])),
+            ));
         }
         for (k, to) in rest.iter_mut().enumerate() {
             *to = Lanes::new(nodes.map(|node| node[whole + k]));
@@ -292,8 +295,13 @@ fn strips<K: DegreesOfFreedom>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Ve
         } else {
             degrees.drift
         };
-        let entries =
-            |column: usize| at.map(|at| shape.index(at[row], at[column]).expect("neighbours are in the band"));
+        let entries = |column: usize| {
+            at.map(|at| {
+                shape
+                    .index(at[row], at[column])
+                    .expect("neighbours are in the band")
+            })
+        };
         (0..columns).map(entries).collect()
     };
     let follow = |first: &[[usize; LANES]], then: &[[usize; LANES]], by: usize| {
@@ -305,8 +313,8 @@ fn strips<K: DegreesOfFreedom>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Ve
     let mut row = 0;
     while let Some(at) = rows.get(row) {
         // The content has no strip, so a wide one doesn't begin with it.
-        let is_wide =
-            row != degrees.content && (1..LANES).all(|k| rows.get(row + k).is_some_and(|then| follow(at, then, k)));
+        let is_wide = row != degrees.content
+            && (1..LANES).all(|k| rows.get(row + k).is_some_and(|then| follow(at, then, k)));
         if row != degrees.content {
             let at = at.clone();
             strips.push(Strip { row, is_wide, at });
@@ -328,7 +336,8 @@ pub(crate) fn flux_entries<K: DegreesOfFreedom>(belt: &Belt) -> Vec<FluxEntries>
                 let at = unknowns_of::<K>(belt, of);
                 // With one cell per element, the derivative of its density with respect to the far node (ring stretch, reverse
                 // flow only) would be outside the band.
-                let entry = |row: usize, k: usize| (k < K::DEGREES.count).then(|| shape.index(row, at[k])).flatten();
+                let entry =
+                    |row: usize, k: usize| (k < K::DEGREES.count).then(|| shape.index(row, at[k])).flatten();
                 std::array::from_fn(|k| rows.map(|row| entry(row, k)))
             })
         })
@@ -352,7 +361,9 @@ fn unknowns_of<K: DegreesOfFreedom>(belt: &Belt, cell: usize) -> [usize; MOST] {
         layout.content(cell),
     ];
     let tensions = (0..degrees.tensions).map(|face| layout.tension(cell + face));
-    let curve = [layout.drift(), layout.theta()].into_iter().chain(layout.centres());
+    let curve = [layout.drift(), layout.theta()]
+        .into_iter()
+        .chain(layout.centres());
     let of_pulley = [
         layout.sheave(place.pulley),
         layout.tilt(place.pulley, 0),

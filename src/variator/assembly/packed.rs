@@ -98,7 +98,9 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     /// Whether the geometry of the derivatives is still valid in a state with these factors.
     fn is_valid(&self, belt: &Belt, view: View<'_>, factors: [f64; 2]) -> bool {
         let Origin { factors: then, state } = &self.origin;
-        self.by_hand && (1.0 / RESCALED..RESCALED).contains(&(factors[0] / then[0])) && is_near(belt, &state.q, view.q)
+        self.by_hand
+            && (1.0 / RESCALED..RESCALED).contains(&(factors[0] / then[0]))
+            && is_near(belt, &state.q, view.q)
     }
 
     /// Evaluates derivatives in a state, all or the tangents alone where the others are valid. Adds them to the matrix and to those of
@@ -205,7 +207,8 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
 
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
         let mut places = out.iter_mut();
-        let record = |at: &AtStation<'_, Lanes, D>| *places.next().expect("a sample for each station") = at.sample();
+        let record =
+            |at: &AtStation<'_, Lanes, D>| *places.next().expect("a sample for each station") = at.sample();
         evaluate::<K, D, C>(acting, (&self.kind, &self.packs), view, record, |_, _, _| ());
     }
 
@@ -247,7 +250,10 @@ pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt, by_hand: 
 /// Equations of a belt with a ring of this kind in D components, on a mesh of the curve `C`. Derivatives are computed by
 /// forward differentiation of the ring's functions.
 #[must_use]
-pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
+pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
+    kind: K,
+    belt: &Belt,
+) -> Box<dyn Assembly> {
     PackedCells::<K, D, C>::of_belt(kind, belt, false)
 }
 
@@ -281,7 +287,10 @@ fn evaluate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     mut observe: impl FnMut(&AtStation<'_, Lanes, D>),
     mut take: impl FnMut(&Pack, &CellBalance<Lanes>, &RingForces<Lanes, D>),
 ) {
-    let frame = frame::<_, K, C>(&acting.belt.curve, acting.belt.path(view).map(|of| of.map(Lanes::from)));
+    let frame = frame::<_, K, C>(
+        &acting.belt.curve,
+        acting.belt.path(view).map(|of| of.map(Lanes::from)),
+    );
     let mut unknowns = [[Lanes::zero(); MOST]; 3];
     for pack in packs {
         pack.gather::<K>(view, &mut unknowns);

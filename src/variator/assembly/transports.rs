@@ -29,7 +29,12 @@ impl Transports {
 
     /// Records the quantities of a cell.
     pub fn set(&mut self, cell: usize, transport: &Transport<f64>) {
-        for (to, value) in self.quantities.as_mut_array().into_iter().zip(transport.as_array()) {
+        for (to, value) in self
+            .quantities
+            .as_mut_array()
+            .into_iter()
+            .zip(transport.as_array())
+        {
             to[1 + cell] = *value;
         }
     }
@@ -38,7 +43,12 @@ impl Transports {
     /// must be recorded in their order.
     #[inline(always)]
     pub fn set_pack(&mut self, first: usize, transport: &Transport<Lanes>) {
-        for (to, value) in self.quantities.as_mut_array().into_iter().zip(transport.as_array()) {
+        for (to, value) in self
+            .quantities
+            .as_mut_array()
+            .into_iter()
+            .zip(transport.as_array())
+        {
             value.write(&mut to[1 + first..]);
         }
     }

@@ -134,7 +134,9 @@ impl Belt {
     /// Middles of the pulleys along z, m.
     #[must_use]
     pub fn middles(&self, view: View<'_>) -> PerPulley<f64> {
-        PerPulley::from_fn(|pulley: Pulley| self.law.planes[pulley].middle(view.q[self.layout.sheave(pulley)]))
+        PerPulley::from_fn(|pulley: Pulley| {
+            self.law.planes[pulley].middle(view.q[self.layout.sheave(pulley)])
+        })
     }
 
     /// Length of an element, m.

@@ -16,7 +16,9 @@ use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
 use crate::stack::Transport;
 use crate::variator::cell::sample::AtStation;
-use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, StationState, stack_at_face};
+use crate::variator::cell::state::{
+    CellInput, CellPoints, CellState, StationForces, StationState, stack_at_face,
+};
 use crate::variator::law::arguments::{CellBalance, PulleyLoad};
 use crate::variator::rings::ring::{CellRing, StationLoad};
 

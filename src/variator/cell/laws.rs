@@ -96,7 +96,10 @@ pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &At
 
 /// Records the arguments of the laws at a station.
 #[inline(always)]
-pub(crate) fn record_arguments<T: Real, const D: usize>(to: &mut OfLaws<Arguments<T>>, at: &AtStation<'_, T, D>) {
+pub(crate) fn record_arguments<T: Real, const D: usize>(
+    to: &mut OfLaws<Arguments<T>>,
+    at: &AtStation<'_, T, D>,
+) {
     let first = at.index * D;
     for (to, motion) in to[first..][..D - 1].iter_mut().zip(&at.forces.flanks.motions) {
         *to = of_flank(motion);

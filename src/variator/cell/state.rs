@@ -64,7 +64,11 @@ impl<T: Real, const D: usize> CellPoints<T, D> {
 /// Speed V of the elements where the right face of a cell has the weight `right`: linear between the faces. The pins of a chain
 /// have that of the ring.
 #[inline(always)]
-fn element_speed<T: Real, const D: usize>(given: &CellInput<'_, T>, ring: &RingPoint<T, D>, right: T::Constant) -> T {
+fn element_speed<T: Real, const D: usize>(
+    given: &CellInput<'_, T>,
+    ring: &RingPoint<T, D>,
+    right: T::Constant,
+) -> T {
     if given.law.is_pull_chain() {
         ring.t.dot(&ring.r_dot) + ring.w * ring.stretch
     } else {
@@ -74,7 +78,10 @@ fn element_speed<T: Real, const D: usize>(given: &CellInput<'_, T>, ring: &RingP
 
 /// The stack at the left face of a cell.
 #[inline(always)]
-pub fn stack_at_face<T: Real, const D: usize>(given: &CellInput<'_, T>, face: &RingPoint<T, D>) -> StackPoint<T> {
+pub fn stack_at_face<T: Real, const D: usize>(
+    given: &CellInput<'_, T>,
+    face: &RingPoint<T, D>,
+) -> StackPoint<T> {
     let theta_dot = given.motion.reference.theta.rate;
     let speed = element_speed(given, face, given.geometry.face.right);
     StackPoint::new(given.law.stack.pitch_offset, face, theta_dot, speed)
@@ -109,7 +116,10 @@ impl<T: Real> CellState<T> {
         points: &mut CellPoints<T, D>,
     ) -> Self {
         let CellInput {
-            law, geometry, motion, ..
+            law,
+            geometry,
+            motion,
+            ..
         } = *given;
         let e = law.stack.pitch_offset;
         let theta_dot = motion.reference.theta.rate;
@@ -240,7 +250,9 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             geometry,
             motion,
         } = given;
-        let StationState { ring: point, stack, .. } = station;
+        let StationState {
+            ring: point, stack, ..
+        } = station;
         let mut own_load = LineLoad::zero();
         let tension = ring.own_load(i + 1, point, &mut own_load);
         let speed_dot = between(&motion.speed_dot, geometry.stations[i].right);

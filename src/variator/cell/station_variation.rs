@@ -88,7 +88,10 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             d_rotation_drag: rotation_drag(plain(given.geometry.rotation_drag), kappa, throughput).eps,
             weight: *weight,
             right: given.geometry.stations[i].right,
-            crosswise: [in_plane(v_e).dot(&kinematics.e_t), in_plane(v_p).dot(&kinematics.e_r)],
+            crosswise: [
+                in_plane(v_e).dot(&kinematics.e_t),
+                in_plane(v_p).dot(&kinematics.e_r),
+            ],
             by_pulley: FlankVariation::of_pulley(given, [&ring.r, v_e, v_p].map(in_plane), factors),
             tangents,
             forces,
@@ -180,7 +183,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
                 + (rate_x * at.e_r.x - rate_y * at.e_r.y) * flank.rho;
             let sliding = flank.rho * at.opening_slope + at.rho * flank.opening_slope;
             motion.penetration = -(flank.rho * tan_beta + flank.opening * at.rho + at.opening * flank.rho);
-            motion.penetration_rate -= rate + flank.opening * at.v_r + flank.opening_slope * at.v_circumferential;
+            motion.penetration_rate -=
+                rate + flank.opening * at.v_r + flank.opening_slope * at.v_circumferential;
             motion.tangential -= pulley.omega * flank.rho;
             motion.along_flank -= (rate + pulley.omega * sliding) * sin_beta;
         }
@@ -213,7 +217,13 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             laws[0] = of_flank(&flank.motion);
         } else {
             let [offset, rate] = flank.offset;
-            let shifted = |sign: f64| of_flank(&flank.motion.shifted(offset * sign, rate * sign, given.law.wedge[0]));
+            let shifted = |sign: f64| {
+                of_flank(
+                    &flank
+                        .motion
+                        .shifted(offset * sign, rate * sign, given.law.wedge[0]),
+                )
+            };
             (laws[0], laws[1]) = (shifted(1.0), shifted(-1.0));
         }
         laws[D - 1] = of_two([tension, sliding]);
@@ -225,7 +235,9 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     pub fn vary_forces(&self, arguments: &[Arguments<Lanes>]) -> [Forces; 3] {
         let mut forces = [[Lanes::from(0.0); FORCES]; 3];
         for flank in 0..D - 1 {
-            forces[flank] = self.tangents[flank].each_ref().map(|of| along(of, &arguments[flank]));
+            forces[flank] = self.tangents[flank]
+                .each_ref()
+                .map(|of| along(of, &arguments[flank]));
         }
         forces[D - 1][0] = along(&self.tangents[D - 1][0], &arguments[D - 1]);
         forces
@@ -267,7 +279,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             let axial = base.axial * 0.5;
             moment += at.e_r * (axial * flank.rho) + at.e_t * (axial * at.rho * flank.turn);
         }
-        out.pulley.add(&flanks.on_pulley(moment, push_out + drag), self.weight);
+        out.pulley
+            .add(&flanks.on_pulley(moment, push_out + drag), self.weight);
 
         at_ring_line -= embed(push_out);
         let mut along = change.along - drag.dot(&in_plane(&ring.t));
@@ -281,7 +294,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             let normal = &ring.normals[k];
             let mut inward = change.inward[k] - drag.dot(&in_plane(normal)) + at_ring_line.dot(normal);
             if MOVES {
-                inward += self.forces.at_ring_line.dot(&by.normals[k]) - base_drag.dot(&in_plane(&by.normals[k]));
+                inward +=
+                    self.forces.at_ring_line.dot(&by.normals[k]) - base_drag.dot(&in_plane(&by.normals[k]));
                 load.position += by.normals[k] * self.forces.inward[k];
             }
             load.position += normal * inward;
@@ -308,7 +322,8 @@ fn vary_loads(
     let axial_friction = force.along_flank * lambda * sin_beta;
     let d_axial_friction = d_along * sin_beta;
     let circumferential = force.tangential * lambda + axial_friction * at.opening_slope;
-    let d_circumferential = d_tangential + d_axial_friction * at.opening_slope + axial_friction * by.opening_slope;
+    let d_circumferential =
+        d_tangential + d_axial_friction * at.opening_slope + axial_friction * by.opening_slope;
     FlankLoads {
         radial: d_axial_normal * (at.opening + tan_beta) + axial_normal * by.opening + d_along * cos_beta,
         circumferential: d_axial_normal * at.opening_slope + axial_normal * by.opening_slope + d_tangential,
@@ -337,7 +352,11 @@ impl FlankVariation {
     /// The variations with ż, ψ_x, ψ_y and ω at a point of the belt, whose place and velocities are `at`: forward
     /// differentiation of its approach. `alpha` and `beta` are the factors of acceleration and position.
     #[inline(always)]
-    pub fn of_pulley(given: &CellInput<'_, Lanes>, at: [Vector2<Lanes>; 3], [alpha, beta]: [f64; 2]) -> [Self; 4] {
+    pub fn of_pulley(
+        given: &CellInput<'_, Lanes>,
+        at: [Vector2<Lanes>; 3],
+        [alpha, beta]: [f64; 2],
+    ) -> [Self; 4] {
         let PulleyMotion {
             z,
             z_dot,

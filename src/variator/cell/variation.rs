@@ -13,7 +13,9 @@ use crate::stack::{StackPoint, StackVariation, Transport};
 use crate::variator::cell::degrees::DegreesOfFreedom;
 use crate::variator::cell::laws::{Arguments, FORCES, Forces, OfLaws, Tangents, of_two};
 use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, stack_at_face};
-use crate::variator::cell::station_variation::{CellVariation, FlankVariation, LinearisedStation, StationVariation};
+use crate::variator::cell::station_variation::{
+    CellVariation, FlankVariation, LinearisedStation, StationVariation,
+};
 use crate::variator::law::arguments::{CellBalance, between, face_weight};
 use crate::variator::law::element_rotation::throughput;
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -79,12 +81,20 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         ring: &'a R,
         given: CellInput<'a, Lanes>,
         cell: CellState<Lanes>,
-        (points, forces, tangents): (&'a CellPoints<Lanes, D>, &'a ForcesOfCell<D>, &'a OfLaws<Tangents>),
+        (points, forces, tangents): (
+            &'a CellPoints<Lanes, D>,
+            &'a ForcesOfCell<D>,
+            &'a OfLaws<Tangents>,
+        ),
         factors: [f64; 2],
     ) -> Self {
         let face = points.face();
         let mut stations = [None; STATIONS];
-        for (i, (to, at)) in stations.iter_mut().zip(points.stations.iter().zip(forces)).enumerate() {
+        for (i, (to, at)) in stations
+            .iter_mut()
+            .zip(points.stations.iter().zip(forces))
+            .enumerate()
+        {
             if let (Some(station), Some(forces)) = at {
                 let laws = (forces, &tangents[i * D..][..D]);
                 *to = Some(LinearisedStation::new(&given, &cell, (i, station), laws, factors));
@@ -179,7 +189,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
 
     /// Variation of the stack, and of ring and stack at the `stations`.
     #[inline(always)]
-    fn vary_cell<const MOVES: bool>(&self, direction: Direction, stations: &mut VariedStations<D>) -> CellVariation {
+    fn vary_cell<const MOVES: bool>(
+        &self,
+        direction: Direction,
+        stations: &mut VariedStations<D>,
+    ) -> CellVariation {
         let zero = Lanes::zero();
         let (mut speed, mut content) = ([zero; 2], zero);
         match direction {
@@ -198,7 +212,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             if MOVES {
                 for k in 0..D - 1 {
                     by_normal_motion += weight
-                        * (d_stack.curvature[k] * stack.normal_speed[k] + stack.curvature[k] * d_stack.normal_speed[k]);
+                        * (d_stack.curvature[k] * stack.normal_speed[k]
+                            + stack.curvature[k] * d_stack.normal_speed[k]);
                 }
             }
             through += weight * d_stack.flow;
@@ -293,7 +308,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let (ring, weight) = (station.ring, station.weight);
         let by = change.by;
         let ring_along = load.position.dot(&ring.t);
-        let [mut along, tangential] = station.add_flank_forces::<MOVES>(&self.given, change, &forces, &mut load, out);
+        let [mut along, tangential] =
+            station.add_flank_forces::<MOVES>(&self.given, change, &forces, &mut load, out);
 
         let d_friction = forces[D - 1][0];
         let d_along_ring = d_friction + change.drag;

@@ -42,9 +42,9 @@ impl BeltDiagnostics {
     /// Cells and samples of all stations, in the order of ξ.
     #[inline(always)]
     pub fn stations<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Cell, Sample)> {
-        mesh.cells
-            .iter()
-            .flat_map(move |cell| (0..mesh.points).map(move |station| (cell, self.sample(mesh, cell, station))))
+        mesh.cells.iter().flat_map(move |cell| {
+            (0..mesh.points).map(move |station| (cell, self.sample(mesh, cell, station)))
+        })
     }
 }
 
@@ -149,7 +149,11 @@ impl BeltSums<Lanes> {
                 weighted: of.weighted.sum(),
                 forward: of.forward.sum(),
             }),
-            strand_force: self.strand_force.to_array().into_iter().fold(f64::INFINITY, f64::min),
+            strand_force: self
+                .strand_force
+                .to_array()
+                .into_iter()
+                .fold(f64::INFINITY, f64::min),
             push_force: self.push_force.to_array().into_iter().fold(0.0, f64::max),
             pitch_length: self.pitch_length.sum(),
             speed_integral: self.speed_integral.sum(),
@@ -187,7 +191,9 @@ impl BeltDiagnostics {
         let drags = system.pulleys().drag_torques(view, self.sums.resultant);
         for j in Pulley::BOTH {
             self.sums.losses.shafts += drags[j] * speeds[j];
-            self.sums.losses.seals += system.pulleys().seal_loss(j, view.y[system.belt.layout.sheave(j)]);
+            self.sums.losses.seals += system
+                .pulleys()
+                .seal_loss(j, view.y[system.belt.layout.sheave(j)]);
             self.sums.shaft_torque[j] = self.sums.torque[j] - drags[j];
         }
         self.ring_energy = energy;

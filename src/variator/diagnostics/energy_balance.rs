@@ -111,7 +111,8 @@ impl Evolution for Problem<'_> {
     }
 
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, end: f64, h: f64) {
-        let [at_start, in_middle, at_end] = [end - h, end - 0.5 * h, end].map(|time| self.system.boundary(time));
+        let [at_start, in_middle, at_end] =
+            [end - h, end - 0.5 * h, end].map(|time| self.system.boundary(time));
         let first = powers(self.system, &at_start, before, &self.energy.last.sums);
         self.energy.last.update(self.system, after);
         let second = powers(self.system, &at_end, after, &self.energy.last.sums);
@@ -143,7 +144,13 @@ struct SheaveWork {
 impl Problem<'_> {
     /// Work on the own inertia of a pulley in speed drive: it follows its set point in less than a step, and this work is
     /// known. Else zero.
-    fn work_on_set_point(&self, pulley: Pulley, boundary: &Boundary, before: View<'_>, after: View<'_>) -> f64 {
+    fn work_on_set_point(
+        &self,
+        pulley: Pulley,
+        boundary: &Boundary,
+        before: View<'_>,
+        after: View<'_>,
+    ) -> f64 {
         let ShaftMode::Setpoint(_) = boundary.shaft[pulley] else {
             return 0.0;
         };
@@ -155,7 +162,14 @@ impl Problem<'_> {
     /// A sheave's step response is shorter than a step, so its force's work and the loss of its damper and seals follow from Simpson's
     /// rule, with ż in the middle from the change of z: under a constant force the work is exact. `forces` of clamp and pressure are
     /// those at the start, in the middle and at the end.
-    fn sheave_work(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64, forces: [f64; 3]) -> SheaveWork {
+    fn sheave_work(
+        &self,
+        pulley: Pulley,
+        before: View<'_>,
+        after: View<'_>,
+        h: f64,
+        forces: [f64; 3],
+    ) -> SheaveWork {
         let z = self.system.belt.layout.sheave(pulley);
         let simpson = |[first, middle, last]: [f64; 3]| h / 6.0 * (first + 4.0 * middle + last);
         let (start, end) = (before.y[z], after.y[z]);
@@ -188,7 +202,11 @@ fn powers(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &B
         moved += (sums.torque[pulley] * speeds[pulley]).abs();
     }
     let supplied = system.pulleys().shaft_power(boundary, view, sums.shaft_torque);
-    [supplied, sums.losses.total() + system.pulleys().losses(view), moved]
+    [
+        supplied,
+        sums.losses.total() + system.pulleys().losses(view),
+        moved,
+    ]
 }
 
 impl EnergyBalance {
@@ -210,7 +228,12 @@ impl EnergyBalance {
 
     /// Writes to an archive, or reads from it, the energies.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
-        for value in [&mut self.supplied, &mut self.lost, &mut self.initial, &mut self.moved] {
+        for value in [
+            &mut self.supplied,
+            &mut self.lost,
+            &mut self.initial,
+            &mut self.moved,
+        ] {
             archive.real(value);
         }
     }

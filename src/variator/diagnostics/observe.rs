@@ -50,7 +50,12 @@ impl Observer {
         let idle = if belt.law.is_pull_chain() {
             PerPulley::default()
         } else {
-            idle_arcs(&belt.mesh, stations, belt.curve.length(), sums.speed_integral < 0.0)
+            idle_arcs(
+                &belt.mesh,
+                stations,
+                belt.curve.length(),
+                sums.speed_integral < 0.0,
+            )
         };
         let of = |j: Pulley| PulleyOutputs {
             speed: view.y[belt.layout.shaft_speed(j)],
@@ -144,7 +149,13 @@ impl Observer {
             belt.law.stack.element_thickness
         };
         let gap = |sample: &Sample| thickness * (sample.density.recip() - 1.0).max(0.0);
-        let sliding = |sample: &Sample| if sample.normal > UNLOADED { sample.sliding } else { 0.0 };
+        let sliding = |sample: &Sample| {
+            if sample.normal > UNLOADED {
+                sample.sliding
+            } else {
+                0.0
+            }
+        };
         let (mut station, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
             let xi = k as f64 * length / PROFILE_POINTS as f64;
@@ -153,8 +164,10 @@ impl Observer {
             profile.position[k] = xi;
             profile.ring_tension[k] = within(&|e| self.elements[e].tension);
             profile.ring_stress[k] = within(&|e| self.stresses[e]);
-            let (before, after, fraction) = bracket(&self.stations, |sample| sample.xi, xi, length, &mut station);
-            let [(of_a, a), (of_b, b)] = [before, after].map(|k| (&mesh.cells[k / mesh.points], &self.stations[k]));
+            let (before, after, fraction) =
+                bracket(&self.stations, |sample| sample.xi, xi, length, &mut station);
+            let [(of_a, a), (of_b, b)] =
+                [before, after].map(|k| (&mesh.cells[k / mesh.points], &self.stations[k]));
             let between = |a: f64, b: f64| a * (1.0 - fraction) + b * fraction;
             profile.push_force[k] = between(a.push, b.push);
             profile.gap[k] = between(gap(a), gap(b));
@@ -186,7 +199,10 @@ impl Outputs {
         } else {
             (p.axial_force / s.axial_force).clamp(-100.0, 100.0)
         };
-        self.efficiency = efficiency([-shaft_torques.primary * p.speed, -shaft_torques.secondary * s.speed]);
+        self.efficiency = efficiency([
+            -shaft_torques.primary * p.speed,
+            -shaft_torques.secondary * s.speed,
+        ]);
         self.belt_efficiency = efficiency([p.power, s.power]);
     }
 }
@@ -233,7 +249,11 @@ fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) 
         if sample.on_arc() {
             continue;
         }
-        let towards_primary = if sample.xi < 0.5 * length_of_belt { 1.0 } else { -1.0 };
+        let towards_primary = if sample.xi < 0.5 * length_of_belt {
+            1.0
+        } else {
+            -1.0
+        };
         rise += towards_primary * slope * sample.weight;
         length += sample.weight;
     }
@@ -265,7 +285,13 @@ fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
 
 /// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the fraction of the second.
 /// `right` is the index of the last result, so `xi` must ascend from call to call.
-fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &mut usize) -> (usize, usize, f64) {
+fn bracket<T>(
+    list: &[T],
+    at: impl Fn(&T) -> f64,
+    xi: f64,
+    length: f64,
+    right: &mut usize,
+) -> (usize, usize, f64) {
     let n = list.len();
     while *right < n && at(&list[*right]) < xi {
         *right += 1;

@@ -137,7 +137,10 @@ pub enum StateComponent {
 impl<T: Real> CellMotion<T> {
     /// From the `unknown` of a part and a degree of freedom: V, V, N start at `own`, s, Θ at `drift`, z, ψ_x, ψ_y, ω at `sheave`.
     #[inline(always)]
-    pub fn of_unknowns([own, drift, sheave]: [usize; 3], unknown: impl Fn(StateComponent, usize) -> T) -> Self {
+    pub fn of_unknowns(
+        [own, drift, sheave]: [usize; 3],
+        unknown: impl Fn(StateComponent, usize) -> T,
+    ) -> Self {
         let value = |k: usize| unknown(StateComponent::Value, k);
         let rate = |k: usize| unknown(StateComponent::Rate, k);
         let theta = drift + 1;
@@ -242,7 +245,11 @@ impl<T: Real> CellGeometry<'_, T> {
     #[inline(always)]
     #[must_use]
     pub fn point(&self, at: usize) -> &Station<T::Constant> {
-        if at == 0 { self.face } else { &self.stations[at - 1] }
+        if at == 0 {
+            self.face
+        } else {
+            &self.stations[at - 1]
+        }
     }
 
     /// Fraction of the segment at the face or a station.

@@ -126,7 +126,12 @@ impl<T: Real> FlankKinematics<T> {
     /// The approach of a point r of the ring with the element velocities v_e at the ring centre line and v_p at the pitch
     /// line, all in the plane of the drive.
     #[inline(always)]
-    pub fn new(law: &CellLaw, axis: T::Constant, pulley: &PulleyMotion<T>, [r, v_e, v_p]: [Vector2<T>; 3]) -> Self {
+    pub fn new(
+        law: &CellLaw,
+        axis: T::Constant,
+        pulley: &PulleyMotion<T>,
+        [r, v_e, v_p]: [Vector2<T>; 3],
+    ) -> Self {
         let [sin_beta, cos_beta, tan_beta] = law.wedge;
         let arm = r - Vector2::new(T::constant(axis), T::zero());
         let (distance, inverse_distance) = arm.dot(&arm).root_and_inverse();
@@ -200,7 +205,13 @@ impl<T: Real> FlankKinematics<T> {
 
     /// Loads of a flank with this motion and this `force`.
     #[inline(always)]
-    pub fn loads(&self, law: &CellLaw, lambda: T, flank: &FlankMotion<T>, force: &FlankForce<T>) -> FlankLoads<T> {
+    pub fn loads(
+        &self,
+        law: &CellLaw,
+        lambda: T,
+        flank: &FlankMotion<T>,
+        force: &FlankForce<T>,
+    ) -> FlankLoads<T> {
         let [sin_beta, cos_beta, tan_beta] = law.wedge;
         let axial_normal = force.normal * cos_beta * lambda;
         let axial_friction = force.along_flank * lambda * sin_beta;
@@ -210,7 +221,9 @@ impl<T: Real> FlankKinematics<T> {
             torque: -(force.tangential * lambda + axial_friction * self.opening_slope) * self.rho,
             axial: axial_normal - axial_friction,
             normal: force.normal * lambda,
-            loss: lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank) * -1.0,
+            loss: lambda
+                * (force.tangential * flank.tangential + force.along_flank * flank.along_flank)
+                * -1.0,
             viscous: force.viscous * cos_beta * lambda * flank.penetration_rate,
         }
     }

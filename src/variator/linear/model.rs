@@ -95,7 +95,9 @@ fn about(
     // nonlinearly.
     let whole = factors.solve(&b);
     let identity = Mat::<f64>::identity(poles.len(), poles.len());
-    let slow = (identity * Scale(shift) - &slow_a).partial_piv_lu().solve(&slow_b);
+    let slow = (identity * Scale(shift) - &slow_a)
+        .partial_piv_lu()
+        .solve(&slow_b);
     let (rest, rest_rates) = (&whole - &right * &slow, &whole * Scale(shift) - &rates * &slow);
     let mut differentiate = |load: Option<Load>, x: &Mat<f64>, rates: &Mat<f64>, k: usize| {
         derivatives_along(&mut point, load, &descriptor.direction(x, rates, k), read)
@@ -142,7 +144,10 @@ fn derivatives_along(
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Vec<f64> {
     let WorkingPoint {
-        system, state, inputs, ..
+        system,
+        state,
+        inputs,
+        ..
     } = point;
     let n = direction.y.len();
     let (mut velocity, mut place) = (vec![0.0; n], vec![0.0; n]);

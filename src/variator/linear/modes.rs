@@ -43,7 +43,10 @@ fn balanced(matrix: &Mat<f64>) -> Result<(Mat<f64>, Vec<f64>), LinearError> {
         return Err(LinearError::Eigenvalues);
     }
     let scale = balance_parlett_reinsch(&mut copy);
-    Ok((Mat::from_fn(n, n, |i, j| copy[(i, j)]), scale.iter().copied().collect()))
+    Ok((
+        Mat::from_fn(n, n, |i, j| copy[(i, j)]),
+        scale.iter().copied().collect(),
+    ))
 }
 
 /// The eigenvalue of the pencil that belongs to `value` of (σE − A)⁻¹E.
@@ -86,7 +89,8 @@ pub(super) fn slow_modes(
             .min_by(|&i, &j| far(i).total_cmp(&far(j)))
             .ok_or(LinearError::Eigenvalues)?;
         let (other, vector) = others.swap_remove(nearest);
-        if (other - *lambda).norm() > 0.1 * lambda.norm() || is_oscillation(other) != is_oscillation(*lambda) {
+        if (other - *lambda).norm() > 0.1 * lambda.norm() || is_oscillation(other) != is_oscillation(*lambda)
+        {
             return Err(LinearError::Eigenvalues);
         }
         left.push((other, vector));

@@ -64,7 +64,12 @@ impl Layout {
             shape: Shape {
                 blocks: elements,
                 block,
-                border: GLOBALS + if components == 0 { COORDINATES - 1 } else { CONDITIONS },
+                border: GLOBALS
+                    + if components == 0 {
+                        COORDINATES - 1
+                    } else {
+                        CONDITIONS
+                    },
             },
         }
     }
@@ -176,7 +181,11 @@ impl Layout {
     /// Indices of the rates of the coordinates of displaced centres, if there are any.
     #[must_use]
     pub fn centres(&self) -> Range<usize> {
-        let end = if self.has_tension() { self.len() } else { self.centre(0) };
+        let end = if self.has_tension() {
+            self.len()
+        } else {
+            self.centre(0)
+        };
         self.centre(0)..end
     }
 
@@ -192,7 +201,10 @@ impl Layout {
         let mut has_position = vec![false; self.len()];
         let own = self.node_unknowns().map(|(i, _)| i).chain(self.centres());
         let shared = [self.drift(), self.theta()].into_iter();
-        for i in own.chain(shared).chain(Pulley::BOTH.map(|pulley| self.sheave(pulley))) {
+        for i in own
+            .chain(shared)
+            .chain(Pulley::BOTH.map(|pulley| self.sheave(pulley)))
+        {
             has_position[i] = true;
         }
         has_position

@@ -14,7 +14,9 @@ use crate::tilt::Tilt;
 use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::mesh::layout::Layout;
-use crate::variator::pulleys::loads::{Boundary, FORCE_TIME, PSEUDO_INERTIA, RATIO_STIFFNESS, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::{
+    Boundary, FORCE_TIME, PSEUDO_INERTIA, RATIO_STIFFNESS, ShaftMode, SheaveMode,
+};
 use crate::variator::settings::parameters::{Parameters, SPEED_LAG};
 
 /// The two pulleys with their shafts.
@@ -140,13 +142,17 @@ impl<'a> Pulleys<'a> {
     pub fn jump(&self, before: &Boundary, after: &Boundary, y_dot: &mut [f64]) {
         for pulley in Pulley::BOTH {
             let of = self.parameters.pulley(pulley);
-            if let (SheaveMode::Force(old), SheaveMode::Force(new)) = (before.sheave[pulley], after.sheave[pulley]) {
+            if let (SheaveMode::Force(old), SheaveMode::Force(new)) =
+                (before.sheave[pulley], after.sheave[pulley])
+            {
                 y_dot[self.layout().sheave(pulley)] += (new - old) / of.sheave_mass;
             }
             let omega = self.layout().shaft_speed(pulley);
             match (before.shaft[pulley], after.shaft[pulley]) {
                 (ShaftMode::Torque(old), ShaftMode::Torque(new)) => y_dot[omega] += (new - old) / of.inertia,
-                (ShaftMode::Setpoint(old), ShaftMode::Setpoint(new)) => y_dot[omega] += (new - old) / SPEED_LAG,
+                (ShaftMode::Setpoint(old), ShaftMode::Setpoint(new)) => {
+                    y_dot[omega] += (new - old) / SPEED_LAG
+                }
                 _ => {}
             }
         }
@@ -155,7 +161,8 @@ impl<'a> Pulleys<'a> {
     /// J_S ω_S/(J_P ω_P): ratio of the secondary's unbalanced torque to the primary's at which both speeds change in
     /// proportion.
     fn balanced_factor(&self, view: View<'_>) -> f64 {
-        let [secondary, primary] = Pulley::BOTH.map(|j| self.parameters.pulley(j).inertia * self.speed(j, view));
+        let [secondary, primary] =
+            Pulley::BOTH.map(|j| self.parameters.pulley(j).inertia * self.speed(j, view));
         if primary == 0.0 { 0.0 } else { secondary / primary }
     }
 
@@ -179,7 +186,13 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Writes the pulleys' rows of the residual, under the loads of the belt.
-    pub(crate) fn residual(&self, boundary: &Boundary, loads: &PerPulley<PulleyLoad>, view: View<'_>, out: &mut [f64]) {
+    pub(crate) fn residual(
+        &self,
+        boundary: &Boundary,
+        loads: &PerPulley<PulleyLoad>,
+        view: View<'_>,
+        out: &mut [f64],
+    ) {
         let torques = self.shaft_torques(loads, view);
         for pulley in Pulley::BOTH {
             let ([z, ..], motion) = self.sheave_motion(pulley, view);
@@ -209,7 +222,8 @@ impl<'a> Pulleys<'a> {
             }
             SheaveMode::Held => return None,
         };
-        let cylinder = of.cylinder.passive_force(z, omega) - of.cylinder.drag(z_dot, self.parameters.friction.velocity);
+        let cylinder =
+            of.cylinder.passive_force(z, omega) - of.cylinder.drag(z_dot, self.parameters.friction.velocity);
         let stop = self.travel(pulley).stop_force(z, z_dot).force;
         Some(z_ddot * of.sheave_mass + z_dot * of.sheave_damping - (force + cylinder) + axial - stop)
     }
@@ -250,7 +264,9 @@ impl<'a> Pulleys<'a> {
         let inertia = self.inertia_factor() * of.inertia * view.y_dot[i];
         match mode {
             ShaftMode::Torque(torque) => inertia - torque - torques[pulley],
-            ShaftMode::Setpoint(set) => inertia - self.inertia_factor() * of.inertia * (set - view.y[i]) / SPEED_LAG,
+            ShaftMode::Setpoint(set) => {
+                inertia - self.inertia_factor() * of.inertia * (set - view.y[i]) / SPEED_LAG
+            }
             ShaftMode::Fixed => inertia,
             ShaftMode::Balanced { own, primary } => {
                 inertia - own - torques[pulley] + self.balanced_factor(view) * (primary + torques.primary)
@@ -303,8 +319,12 @@ impl<'a> Pulleys<'a> {
             return;
         }
         let [psi, rate] = self.tilt(pulley, view);
-        let seeded = |of: [f64; 2], slope| std::array::from_fn(|axis| Tangent::<2, f64>::seed(of[axis], axis, slope));
-        for (row, moment) in at.into_iter().zip(law.moment(seeded(psi, 1.0), seeded(rate, alpha))) {
+        let seeded =
+            |of: [f64; 2], slope| std::array::from_fn(|axis| Tangent::<2, f64>::seed(of[axis], axis, slope));
+        for (row, moment) in at
+            .into_iter()
+            .zip(law.moment(seeded(psi, 1.0), seeded(rate, alpha)))
+        {
             for (column, slope) in at.into_iter().zip(moment.eps) {
                 out.add(row, column, slope);
             }
@@ -377,7 +397,13 @@ impl<'a> Pulleys<'a> {
 
     /// Loss of the tilt relaxation in a step of length `h`, s, beyond the trapezoidal rule, J: a sheave takes up its clearance
     /// within a step. The work of the moment follows from the change of the tilt; the part that is not stored is lost.
-    pub fn tilt_loss_beyond_trapezoid(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64) -> f64 {
+    pub fn tilt_loss_beyond_trapezoid(
+        &self,
+        pulley: Pulley,
+        before: View<'_>,
+        after: View<'_>,
+        h: f64,
+    ) -> f64 {
         let law = &self.parameters.pulley(pulley).tilt;
         if law.is_rigid() {
             return 0.0;
@@ -439,7 +465,9 @@ impl<'a> Pulleys<'a> {
                 torque: Self::torque_supplied(boundary.shaft[pulley], torques[pulley]) + accelerating,
                 clamping: match boundary.sheave[pulley] {
                     SheaveMode::Force(force) => force + self.cylinder(pulley, view),
-                    SheaveMode::Held | SheaveMode::Ratio { .. } => axial[pulley] - self.stop(pulley, view).force,
+                    SheaveMode::Held | SheaveMode::Ratio { .. } => {
+                        axial[pulley] - self.stop(pulley, view).force
+                    }
                 },
             }
         })

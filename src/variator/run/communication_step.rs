@@ -50,7 +50,12 @@ impl CommunicationStep {
     ///
     /// # Errors
     /// A time before the present one or out of its range, an input out of its range, or a rate that is not finite.
-    pub fn begin(variator: &mut Variator, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<Self, StepError> {
+    pub fn begin(
+        variator: &mut Variator,
+        to: f64,
+        inputs: &Inputs,
+        rates: &Inputs,
+    ) -> Result<Self, StepError> {
         TimeError::check(Some(variator.time()), to)?;
         inputs.validate()?;
         rates.validate_rates()?;
@@ -148,6 +153,8 @@ impl CommunicationStep {
         let simulated = variator.time() - self.from;
         let (work, unknowns) = (variator.counts() - self.before, variator.state().y.len());
         let remark = variator.pace.count(&self.given, simulated, work, unknowns);
-        remark.into_iter().for_each(|text| variator.simulation.log(true, text));
+        remark
+            .into_iter()
+            .for_each(|text| variator.simulation.log(true, text));
     }
 }

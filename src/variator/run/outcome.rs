@@ -109,7 +109,9 @@ impl Event {
         match self {
             Self::Slips => "the belt begins to slip through (macro-slip)".into(),
             Self::Grips => "the belt grips again".into(),
-            Self::Reaches(pulley, stop) => format!("the {} sheave reaches its {} stop", pulley.name(), stop.name()),
+            Self::Reaches(pulley, stop) => {
+                format!("the {} sheave reaches its {} stop", pulley.name(), stop.name())
+            }
         }
     }
 }

@@ -51,14 +51,19 @@ impl PlausibilityWarnings {
         [
             at_start(other_layers),
             at_start(slipping),
-            (!starts).then(|| buckling(simulation, &mut self.buckled)).flatten(),
+            (!starts)
+                .then(|| buckling(simulation, &mut self.buckled))
+                .flatten(),
             once(&mut self.fast, || fast_belt(simulation, starts)),
-            once(&mut self.unit, || wrong_unit(simulation, &mut self.doubtful_since)),
+            once(&mut self.unit, || {
+                wrong_unit(simulation, &mut self.doubtful_since)
+            }),
             once(&mut self.opens, || opening_pressure(simulation)),
-            simulation
-                .system
-                .parameters
-                .idle_pressures(&simulation.inputs(), &mut self.idle, simulation.time),
+            simulation.system.parameters.idle_pressures(
+                &simulation.inputs(),
+                &mut self.idle,
+                simulation.time,
+            ),
             at_start(same_sign),
         ]
         .into_iter()
@@ -150,7 +155,10 @@ fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
     let led = parameters.primary.drive == Drive::Speed || parameters.secondary.drive == Drive::Speed;
     let cause = if led || starts {
         let (name, value) = given_speed(parameters, &inputs);
-        format!("is {name} in rpm? {value} rpm are {} rad/s", short(value * PI / 30.0))
+        format!(
+            "is {name} in rpm? {value} rpm are {} rad/s",
+            short(value * PI / 30.0)
+        )
     } else {
         format!(
             "primary.torque = {} N·m and secondary.torque = {} N·m accelerate it; a load's torque is negative",
@@ -168,7 +176,8 @@ fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
 fn opening_pressure(simulation: &Simulation) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let (pulleys, view) = (simulation.system.pulleys(), simulation.state.view());
-    let clamping = |j: Pulley| inputs.pulley(j).force(&parameters.pulley(j).cylinder) + pulleys.passive_force(j, view);
+    let clamping =
+        |j: Pulley| inputs.pulley(j).force(&parameters.pulley(j).cylinder) + pulleys.passive_force(j, view);
     parameters.opening_pressure(&inputs, PerPulley::from_fn(clamping), simulation.time)
 }
 
@@ -176,12 +185,18 @@ fn opening_pressure(simulation: &Simulation) -> Option<String> {
 fn same_sign(simulation: &Simulation) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let [primary, secondary] = [inputs.primary.torque, inputs.secondary.torque];
-    let speed = simulation.system.belt.shaft_speeds(simulation.state.view()).primary;
+    let speed = simulation
+        .system
+        .belt
+        .shaft_speeds(simulation.state.view())
+        .primary;
     let steady = parameters.initial.steady && speed.abs() > 1.0;
     let free = parameters.primary.drive == Drive::Torque && parameters.secondary.drive == Drive::Torque;
     let balancing = parameters.initial.ratio * primary;
-    let found =
-        steady && free && primary * secondary > 0.0 && (secondary - balancing).abs() < BALANCED * balancing.abs();
+    let found = steady
+        && free
+        && primary * secondary > 0.0
+        && (secondary - balancing).abs() < BALANCED * balancing.abs();
     found.then(|| {
         format!(
             "primary.torque = {primary} N·m and secondary.torque = {secondary} N·m have the same sign, so that they change the speed \

@@ -52,18 +52,33 @@ impl RealTime {
     }
 
     /// Advances the clock by a millisecond, or by a part of one of those up to a time, s, and the state as far as the work lasts.
-    pub fn advance(&mut self, sdirk: &mut Sdirk, simulation: &mut Simulation, profile: &InputProfile, to: f64) {
+    pub fn advance(
+        &mut self,
+        sdirk: &mut Sdirk,
+        simulation: &mut Simulation,
+        profile: &InputProfile,
+        to: f64,
+    ) {
         let from = simulation.time;
         let parts = ((to - from) / MILLISECOND - SHORTEST_STEP).ceil();
-        let clock = if parts > 1.0 { from + (to - from) / parts } else { to };
+        let clock = if parts > 1.0 {
+            from + (to - from) / parts
+        } else {
+            to
+        };
         let since = self.reached + self.open.unwrap_or_default();
         self.waiting = joined(&self.waiting, since, from, profile, clock);
         let effort = f64::from(simulation.system.parameters.solver.effort);
         let remaining = &mut sdirk.newton.bound.remaining;
-        *remaining = remaining.min(REAL_TIME.spare) + effort * REAL_TIME.effort * ((clock - from) / MILLISECOND);
+        *remaining =
+            remaining.min(REAL_TIME.spare) + effort * REAL_TIME.effort * ((clock - from) / MILLISECOND);
         simulation.time = self.reached;
         simulation.restore(self.inputs);
-        let wider = if self.open.is_some() { REAL_TIME.widening } else { 1.0 };
+        let wider = if self.open.is_some() {
+            REAL_TIME.widening
+        } else {
+            1.0
+        };
         sdirk.newton_tolerance = wider * REAL_TIME.tolerance;
         while self.behind(clock) > SHORTEST_STEP && self.step(sdirk, simulation, clock) {}
         let skipped = self.behind(clock) - REAL_TIME.behind;
@@ -144,14 +159,21 @@ fn joined(first: &InputProfile, from: f64, middle: f64, second: &InputProfile, t
     }
     let fraction = (middle - from) / (to - from);
     let means = [mean(first, [from, middle]), mean(second, [middle, to])];
-    InputProfile::constant(&Inputs::ZERO.after(fraction, &means[0]).after(1.0 - fraction, &means[1]))
+    InputProfile::constant(
+        &Inputs::ZERO
+            .after(fraction, &means[0])
+            .after(1.0 - fraction, &means[1]),
+    )
 }
 
 /// Mean of inputs from one time to another, s.
 fn mean(profile: &InputProfile, [from, to]: [f64; 2]) -> Inputs {
     let kink = profile.kink.clamp(from, to);
     let part = |start: f64, end: f64, sum: Inputs| {
-        sum.after((end - start) / (to - from), &profile.evaluate(0.5 * (start + end)))
+        sum.after(
+            (end - start) / (to - from),
+            &profile.evaluate(0.5 * (start + end)),
+        )
     };
     part(kink, to, part(from, kink, Inputs::ZERO))
 }
@@ -190,7 +212,8 @@ mod tests {
             0.5 * (start + end) * (to - from)
         };
         let both = joined(&first, 0.7e-3, 1e-3, &second, 2e-3);
-        let found = impulse(&first, 0.0, 0.2e-3) + impulse(&first, 0.2e-3, 0.7e-3) + impulse(&both, 0.7e-3, 2e-3);
+        let found =
+            impulse(&first, 0.0, 0.2e-3) + impulse(&first, 0.2e-3, 0.7e-3) + impulse(&both, 0.7e-3, 2e-3);
         let expected = (50e-3 - 6.25e-3) - 50e-3 + 12.5e-3;
         assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
         assert_eq!(joined(&first, 1e-3, 1e-3, &second, 2e-3), second);

@@ -162,7 +162,8 @@ impl Simulation {
     /// is held or the torques drive the belt.
     fn may_creep(&self, start: &Start) -> bool {
         let (p, inputs) = (&self.system.parameters, self.given);
-        let stands = p.secondary.drive == Drive::Torque || inputs.secondary.speed_setpoint.abs() <= STANDSTILL;
+        let stands =
+            p.secondary.drive == Drive::Torque || inputs.secondary.speed_setpoint.abs() <= STANDSTILL;
         let free = p.primary.drive == Drive::Torque && p.secondary.drive == Drive::Torque;
         let torque = inputs.primary.torque + inputs.secondary.torque / start.ratio;
         let driven = free && torque * creep_speed(start) > 0.0;
@@ -248,7 +249,11 @@ impl Simulation {
     }
 
     /// Starts in the state of another ring.
-    fn start_on(&mut self, (ring, state_on): StartsOn, start: &Start) -> Result<StartState, InitialisationError> {
+    fn start_on(
+        &mut self,
+        (ring, state_on): StartsOn,
+        start: &Start,
+    ) -> Result<StartState, InitialisationError> {
         let parameters = &self.system.parameters;
         ring.check(parameters)?;
         let mut other = Simulation::new(parameters, ring);

@@ -81,7 +81,10 @@ impl Simulation {
             found = self.balance_forces(newton, &whole, found);
         }
         if free {
-            let passive = self.system.pulleys().passive_force(Pulley::Primary, self.state.view());
+            let passive = self
+                .system
+                .pulleys()
+                .passive_force(Pulley::Primary, self.state.view());
             let excess = whole.clamping.primary + passive - self.sums().axial.primary;
             let text = format!("steady start: primary clamping force less axial belt force is {excess:.1} N");
             self.log(false, text);
@@ -215,8 +218,9 @@ impl Simulation {
                 }
                 let passive = system.pulleys().passive_force(Pulley::Primary, state.view());
                 let holding = passive + reaction(system, state.view(), Pulley::Primary);
-                let instead =
-                    format!("the steady state at the ratio, where the primary force would have to be {holding:.1} N");
+                let instead = format!(
+                    "the steady state at the ratio, where the primary force would have to be {holding:.1} N"
+                );
                 let (why, helps) = (
                     "no equilibrium of the two clamping forces was found",
                     "that primary force, another initial.ratio, or initial.equilibrium = false",

@@ -321,7 +321,8 @@ impl Variator {
         let (outputs, fields) = (&mut self.readings.outputs, &mut self.readings.profile);
         if self.stale {
             self.observer.observe(&of.system, of.time, view, belt, outputs);
-            (outputs.macro_slip, outputs.start_state, outputs.work) = (self.macro_slip, self.start_state, self.work);
+            (outputs.macro_slip, outputs.start_state, outputs.work) =
+                (self.macro_slip, self.start_state, self.work);
             outputs.energy_residual = of.energy.residual(outputs.stored_energy);
             (self.stale, self.profile_stale) = (false, true);
         }

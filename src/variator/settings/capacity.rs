@@ -72,7 +72,9 @@ impl TorqueDemand {
     /// Whether the torque is far beyond the capacity, and a factor of 1000 explains it.
     pub fn seems_another_unit(&self) -> bool {
         let (capacity, torque) = (self.capacity(), self.torque.abs());
-        self.given > 0.0 && torque > FAR_BEYOND_CAPACITY * capacity + self.drag && 1.0e-3 * torque <= BEYOND * capacity
+        self.given > 0.0
+            && torque > FAR_BEYOND_CAPACITY * capacity + self.drag
+            && 1.0e-3 * torque <= BEYOND * capacity
     }
 
     /// The unit that is meant then: that of the force where loads are smaller than those of the default start, else that of the torques.
@@ -183,7 +185,9 @@ impl Parameters {
             let (name, pressure) = (j.name(), inputs.pulley(j).pressure);
             if !said[j] && pressure != 0.0 && self.pulley(j).cylinder.area == 0.0 {
                 said[j] = true;
-                idle += &format!(" {name}.pressure = {pressure} Pa has no effect, because {name}.cylinder.area is 0;");
+                idle += &format!(
+                    " {name}.pressure = {pressure} Pa has no effect, because {name}.cylinder.area is 0;"
+                );
             }
         }
         (!idle.is_empty()).then(|| format!("at {time} s{idle} set the area of the piston"))
@@ -210,7 +214,11 @@ pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> (&'static
 }
 
 /// The reason why no belt bears the speed of the start, where the primary pulley turns at `speed`, rad/s.
-pub(crate) fn excessive_speed(parameters: &Parameters, inputs: &Inputs, [ratio, speed]: [f64; 2]) -> Option<String> {
+pub(crate) fn excessive_speed(
+    parameters: &Parameters,
+    inputs: &Inputs,
+    [ratio, speed]: [f64; 2],
+) -> Option<String> {
     let (radius, _) = parameters.pitch_radii(ratio)?;
     let belt = radius * speed.abs();
     let mass = parameters.belt.mass_per_length + parameters.ring.mass_per_length;

@@ -18,7 +18,10 @@ pub const SPEED_LAG: f64 = 1e-3;
 
 /// All parameters of a variator. [`Default`] is the laboratory variator `bench168`.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(missing_docs, reason = "said at the type of a group, or in the table of variables")]
+#[expect(
+    missing_docs,
+    reason = "said at the type of a group, or in the table of variables"
+)]
 pub struct Parameters {
     pub ring_model: RingModel,
     pub spatial: bool,

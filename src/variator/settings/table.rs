@@ -23,7 +23,10 @@ impl<S, Q> Row<'_, S, Q> {
     /// The variable of a pulley or of the whole variator.
     pub fn variable(self, (owner, base): Owner) -> Variable<S, Q> {
         let Self(name, reference, causality, text, mut kind) = self;
-        if let Kind::Real { unit, display_unit, .. } = &mut kind {
+        if let Kind::Real {
+            unit, display_unit, ..
+        } = &mut kind
+        {
             *display_unit = shown_in(name, unit);
         }
         Variable {
@@ -96,7 +99,9 @@ impl<S, Q> Setting<S, Q> {
             } => get(of).into(),
             _ => return Ok(()),
         };
-        let Some([min, max]) = self.range() else { return Ok(()) };
+        let Some([min, max]) = self.range() else {
+            return Ok(());
+        };
         if value.is_finite() && value >= min && value <= max {
             return Ok(());
         }
@@ -182,7 +187,8 @@ fn settings_of<S, Q, const N: usize>(
     owner: Owner,
     rows: [(Row<'static, S, Q>, Value); N],
 ) -> impl Iterator<Item = Setting<S, Q>> {
-    rows.into_iter().map(move |(row, start)| Setting { row, owner, start })
+    rows.into_iter()
+        .map(move |(row, start)| Setting { row, owner, start })
 }
 
 #[rustfmt::skip]
@@ -228,7 +234,8 @@ macro_rules! pulley_parameters {
 
 /// The inputs in settings `S`. The ranges are more than ten times what belts for cars transmit and are clamped with.
 pub fn inputs<S: AsRef<Inputs> + AsMut<Inputs>, Q>() -> impl Iterator<Item = Setting<S, Q>> {
-    settings_of(PRIMARY, inputs!(primary, 50.0, 13e3)).chain(settings_of(SECONDARY, inputs!(secondary, -49.0, 10e3)))
+    settings_of(PRIMARY, inputs!(primary, 50.0, 13e3))
+        .chain(settings_of(SECONDARY, inputs!(secondary, -49.0, 10e3)))
 }
 
 /// The parameters in settings `S`, but for `ring.model`.

@@ -71,8 +71,9 @@ impl Parameters {
         tunable.try_for_each(|parameter| parameter.check(self))?;
         self.validate_wedge().map_err(|_| {
             let highest = self.geometry.wedge_angle.tan();
-            let range =
-                format!("below {highest}, the tangent of geometry.wedgeAngle; at that value and above the sheaves jam");
+            let range = format!(
+                "below {highest}, the tangent of geometry.wedgeAngle; at that value and above the sheaves jam"
+            );
             ParameterError::new("friction.pulley", self.friction.pulley, range)
         })
     }
@@ -95,11 +96,16 @@ impl Parameters {
     fn validate_wedge(&self) -> Result<(), ParameterError> {
         let (wedge_angle, friction) = (self.geometry.wedge_angle, self.friction.pulley);
         let friction_angle = friction.atan();
-        require(wedge_angle > friction_angle, "geometry.wedgeAngle", wedge_angle, || {
-            format!(
-                "above {friction_angle}, the friction angle of friction.pulley = {friction}; below it the sheaves jam"
-            )
-        })
+        require(
+            wedge_angle > friction_angle,
+            "geometry.wedgeAngle",
+            wedge_angle,
+            || {
+                format!(
+                    "above {friction_angle}, the friction angle of friction.pulley = {friction}; below it the sheaves jam"
+                )
+            },
+        )
     }
 
     /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and that the end play is small.
@@ -156,7 +162,8 @@ impl Parameters {
             None => ratio < 1.0,
         };
         let range = [0.01_f64, 100.0].map(f64::ln);
-        let boundary = |is_below: &dyn Fn(f64) -> bool| bisected(range, |log_ratio| is_below(log_ratio.exp())).exp();
+        let boundary =
+            |is_below: &dyn Fn(f64) -> bool| bisected(range, |log_ratio| is_below(log_ratio.exp())).exp();
         (boundary(&is_too_low), boundary(&is_not_too_high))
     }
 

@@ -53,7 +53,9 @@ pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, 
     }
     // Cells of an element share its length in the kinematic state, so contents are in proportion to its.
     for (cell, at) in fine.cells_at.iter().enumerate() {
-        let of = belt.layout.content(find_cell(&belt.mesh, &fine.mesh, cell, 0.5).0);
+        let of = belt
+            .layout
+            .content(find_cell(&belt.mesh, &fine.mesh, cell, 0.5).0);
         state.y[at.content] *= from.y[of] / kinematic.y[of];
     }
     let sum: f64 = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
@@ -65,7 +67,11 @@ pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, 
 /// Element of a coarse mesh at a place `along` a cell of the `fine` mesh, and the place along it, from 0 to 1.
 fn find_element(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, along: f64) -> (usize, f64) {
     let of_fine = fine.cells_per_element;
-    let Element { segment, start, length } = fine.elements[cell / of_fine];
+    let Element {
+        segment,
+        start,
+        length,
+    } = fine.elements[cell / of_fine];
     let along = ((cell % of_fine) as f64 + along) / of_fine as f64;
     find(&coarse.elements, segment, start + length * along)
 }
@@ -96,7 +102,8 @@ fn prolong_nodes(belt: &Belt, from: &State, fine: &Belt, state: &mut State) {
                     let [a, b] = [0, 1].map(|slope| of[belt.layout.node(node, 2 * k + slope)]);
                     [a, b * length]
                 });
-                let along = |w: &[f64; 4]| left[0] * w[0] + left[1] * w[1] + right[0] * w[2] + right[1] * w[3];
+                let along =
+                    |w: &[f64; 4]| left[0] * w[0] + left[1] * w[1] + right[0] * w[2] + right[1] * w[3];
                 to[fine.layout.node(node, 2 * k)] = along(&shape.n);
                 to[fine.layout.node(node, 2 * k + 1)] = along(&shape.dn) * 2.0 / length;
             }

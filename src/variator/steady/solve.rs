@@ -17,8 +17,8 @@ use crate::variator::settings::parameters::Parameters;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::steady::{
-    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME, RUN_AWAY,
-    STEADY_TIME, VELOCITY_REDUCTION,
+    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME,
+    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::variator::system::VariatorSystem;
 
@@ -66,7 +66,8 @@ impl SteadySolver<'_> {
             let warm = SteadyTask { warm: true, ..*task };
             let mut outcome = self.solve_coarsely(&coarse, state, task);
             outcome = outcome.and_then(|()| self.solve(state, &warm));
-            let passive = PerPulley::from_fn(|pulley| self.system.pulleys().passive_force(pulley, kinematic.view()));
+            let passive =
+                PerPulley::from_fn(|pulley| self.system.pulleys().passive_force(pulley, kinematic.view()));
             let clamping = |pulley: Pulley| task.clamping[pulley] + passive[pulley];
             let present = clamping(task.reaction.other());
             if outcome.is_err() && 0.0 < present && present < FIRM {
@@ -125,7 +126,12 @@ impl SteadySolver<'_> {
     /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant method
     /// on ln(force/reaction) over ln(ratio). At an end of `range`, where the sheaves are near their stops, they are released under the
     /// clamping forces, and come to rest against a stop. Returns whether they do.
-    pub fn balance(&mut self, state: &mut State, task: &SteadyTask, range: (f64, f64)) -> Result<bool, NotSteady> {
+    pub fn balance(
+        &mut self,
+        state: &mut State,
+        task: &SteadyTask,
+        range: (f64, f64),
+    ) -> Result<bool, NotSteady> {
         let defect = |system: &VariatorSystem, state: &State| {
             let passive = system.pulleys().passive_force(task.reaction, state.view());
             let holding = reaction(system, state.view(), task.reaction);
@@ -134,7 +140,11 @@ impl SteadySolver<'_> {
         let mut x = task.ratio.ln();
         let mut f = defect(self.system, state);
         // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
-        let mut slope = if task.reaction == Pulley::Primary { 0.5 } else { -0.5 };
+        let mut slope = if task.reaction == Pulley::Primary {
+            0.5
+        } else {
+            -0.5
+        };
         for _ in 0..MOST_SOLVES {
             let balances = f.abs() < FORCE_ERROR;
             let wanted = x - f / slope;
@@ -194,7 +204,11 @@ impl SteadySolver<'_> {
 }
 
 /// The kinematic state at a task's ratio with shafts at `speeds`, rad/s.
-fn cold_start(system: &VariatorSystem, task: &SteadyTask, speeds: PerPulley<f64>) -> Result<State, GeometryError> {
+fn cold_start(
+    system: &VariatorSystem,
+    task: &SteadyTask,
+    speeds: PerPulley<f64>,
+) -> Result<State, GeometryError> {
     let belt = &system.belt;
     let passive = system
         .parameters

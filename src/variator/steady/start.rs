@@ -42,14 +42,19 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     state.q[layout.theta()] = theta;
     state.y[layout.drift()] = speed * radii.0 / pitch.primary;
     for j in Pulley::BOTH {
-        let depth = start.clamping[j].max(0.0) / (law.contact.stiffness * cos_beta * cos_beta * pitch[j] * wrap[j]);
+        let depth =
+            start.clamping[j].max(0.0) / (law.contact.stiffness * cos_beta * cos_beta * pitch[j] * wrap[j]);
         state.q[layout.sheave(j)] = 2.0 * ((pitch[j] - law.r0) * tan_beta + depth);
         state.y[layout.shaft_speed(j)] = speed / pitch[j];
     }
     let length = belt.curve.length() - TAU * e;
     let density = 1.0 - law.stack.play / length;
     // The pins of a chain have no unknowns of their own.
-    let cells: &[Cell] = if law.is_pull_chain() { &[] } else { &belt.mesh.cells };
+    let cells: &[Cell] = if law.is_pull_chain() {
+        &[]
+    } else {
+        &belt.mesh.cells
+    };
     for (i, cell) in cells.iter().enumerate() {
         let ring = belt.element_length(&frame, cell.element) / layout.cells_per_element as f64;
         state.y[layout.content(i)] = density * ring * (1.0 - e * mean_curvature(belt, &frame, cell));

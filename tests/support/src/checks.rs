@@ -16,7 +16,11 @@ pub fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
 #[track_caller]
 pub fn assert_mirrored(reverse: &Outputs, forward: &Outputs, relative: f64) {
     for (name, sign, read) in [
-        ("primary speed", -1.0, (|o| o.primary.speed) as fn(&Outputs) -> f64),
+        (
+            "primary speed",
+            -1.0,
+            (|o| o.primary.speed) as fn(&Outputs) -> f64,
+        ),
         ("secondary speed", -1.0, |o| o.secondary.speed),
         ("belt speed", -1.0, |o| o.belt_speed),
         ("ring speed", -1.0, |o| o.ring_speed),
@@ -39,8 +43,9 @@ pub fn assert_mirrored(reverse: &Outputs, forward: &Outputs, relative: f64) {
 /// Work must not exceed `pinned` by more than 5 %. Less work is an improvement, but less than half indicates a run that ended early.
 #[track_caller]
 pub fn assert_pinned(found: u64, pinned: u64, what: &str) {
-    let advice =
-        format!("{what}: {found}, pinned at {pinned}: find out why, or pin the new count if the change is meant");
+    let advice = format!(
+        "{what}: {found}, pinned at {pinned}: find out why, or pin the new count if the change is meant"
+    );
     assert!(100 * found <= 105 * pinned, "{advice}");
     assert!(2 * found >= pinned, "{advice}");
 }
@@ -52,7 +57,10 @@ pub fn list(numbers: &[f64]) -> String {
 
 /// Orders of convergence between successive errors, whose steps or lengths differ by the factor `ratio`.
 pub fn orders(errors: &[f64], ratio: f64) -> Vec<f64> {
-    errors.windows(2).map(|e| (e[0] / e[1]).ln() / ratio.ln()).collect()
+    errors
+        .windows(2)
+        .map(|e| (e[0] / e[1]).ln() / ratio.ln())
+        .collect()
 }
 
 /// Asserts `≈ order ± 0.2` for successively halved steps or element lengths.

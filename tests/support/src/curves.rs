@@ -49,7 +49,11 @@ fn close(a: Vector2<f64>, b: Vector2<f64>, tolerance: f64) {
 
 /// Derivatives along a path, and the derivatives of these by the scalar, against central differences.
 #[track_caller]
-pub fn assert_path<C: ReferenceCurve>(frame: impl Fn(f64) -> C::Frame<f64>, dual: &C::Frame<Dual>, segments: usize) {
+pub fn assert_path<C: ReferenceCurve>(
+    frame: impl Fn(f64) -> C::Frame<f64>,
+    dual: &C::Frame<Dual>,
+    segments: usize,
+) {
     let h = 1e-5;
     for segment in 0..segments {
         for f in FRACTIONS {
@@ -91,8 +95,12 @@ pub fn assert_derivatives<C: MeshCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f
             let (shape, turn) = C::derivatives(&of, segment, f, &C::point(&of, segment, f));
             for k in 0..COORDINATES {
                 let ((plus, of_plus), (minus, of_minus)) = (at(k, h), at(k, -h));
-                let [xi, kappa, dilation] = [plus.xi.v - minus.xi.v, plus.kappa - minus.kappa, of_plus - of_minus]
-                    .map(|difference| difference / (2.0 * h));
+                let [xi, kappa, dilation] = [
+                    plus.xi.v - minus.xi.v,
+                    plus.kappa - minus.kappa,
+                    of_plus - of_minus,
+                ]
+                .map(|difference| difference / (2.0 * h));
                 let unit = [Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)];
                 let found = match k {
                     0 | 1 => shape[k],

@@ -43,7 +43,11 @@ pub fn disturbed(parameters: &Parameters, speed: f64) -> (VariatorSystem, State)
 }
 
 /// [`disturbed`] with a ring other than that of the parameters.
-pub fn disturbed_with(parameters: &Parameters, ring: Arc<dyn BeltRing>, speed: f64) -> (VariatorSystem, State) {
+pub fn disturbed_with(
+    parameters: &Parameters,
+    ring: Arc<dyn BeltRing>,
+    speed: f64,
+) -> (VariatorSystem, State) {
     let mut system = VariatorSystem::with_ring(parameters, ring);
     system.loads = Loads::Steady(Boundary {
         sheave: CLAMPING.map(SheaveMode::Force),
@@ -94,7 +98,9 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     let mut coarse = vec![false; size.len()];
     if system.belt.ring.starts_on().is_some() {
         let layout = &system.belt.layout;
-        layout.node_unknowns().for_each(|(i, is_length)| coarse[i] = is_length);
+        layout
+            .node_unknowns()
+            .for_each(|(i, is_length)| coarse[i] = is_length);
     }
     let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
     let name = system.belt.ring.name();
@@ -128,8 +134,10 @@ fn columns(system: &VariatorSystem, state: &State, equations: Equations, by_hand
         unit[k] = 1.0;
         matrix.multiply(&unit, &mut column);
         for pulley in Pulley::BOTH {
-            column
-                .extend([[1.0, 0.0], [0.0, 1.0]].map(|axis| resultants.along(pulley, axis).nth(k).unwrap_or(f64::NAN)));
+            column.extend(
+                [[1.0, 0.0], [0.0, 1.0]]
+                    .map(|axis| resultants.along(pulley, axis).nth(k).unwrap_or(f64::NAN)),
+            );
         }
         column
     };
@@ -180,7 +188,11 @@ fn assert_updated(
     assert_eq!(renewed, 0.0, "the geometry is reused");
     system.jacobian(TIME, states[1].view(), alpha, beta, &mut exact);
     let [first, found, exact] = [&first, &found, &exact].map(product);
-    let largest = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    let largest = |a: &[f64], b: &[f64]| {
+        a.iter()
+            .zip(b)
+            .fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+    };
     let (changed, off) = (largest(&first, &exact), largest(&found, &exact));
     assert!(changed > 1e3 && off < share * changed, "{changed:e}, {off:e}");
 }

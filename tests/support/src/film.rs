@@ -5,7 +5,9 @@ use std::error::Error;
 
 use pushbelt::contact::full_slip_torque;
 use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, Parameters, RingModel, ShaftDrag, StartState};
+use pushbelt::variator::settings::{
+    Axial, Drive, Inputs, Outputs, Parameters, RingModel, ShaftDrag, StartState,
+};
 
 use crate::steady::stations;
 use crate::variators::{SPEED, variator};
@@ -31,8 +33,8 @@ const SLOW: f64 = 52.36;
 /// Share of the peak of traction at which slip is read, and the slips at which traction is.
 const NEAR_PEAK: f64 = 0.95;
 const SLIPS: [f64; 18] = [
-    0.004, 0.006, 0.008, 0.01, 0.012, 0.014, 0.016, 0.018, 0.02, 0.0225, 0.025, 0.0275, 0.03, 0.035, 0.04, 0.05, 0.06,
-    0.08,
+    0.004, 0.006, 0.008, 0.01, 0.012, 0.014, 0.016, 0.018, 0.02, 0.0225, 0.025, 0.0275, 0.03, 0.035, 0.04,
+    0.05, 0.06, 0.08,
 ];
 
 /// How the shafts are loaded.
@@ -59,7 +61,13 @@ pub fn film_variator(ring: RingModel) -> Parameters {
 }
 
 /// The steady variator; none where there is no steady state.
-pub fn steady(parameters: &Parameters, ratio: f64, speed: f64, force: f64, load: Load) -> Found<Option<Variator>> {
+pub fn steady(
+    parameters: &Parameters,
+    ratio: f64,
+    speed: f64,
+    force: f64,
+    load: Load,
+) -> Found<Option<Variator>> {
     let mut p = parameters.clone();
     p.initial.ratio = ratio;
     p.initial.primary_speed = speed;
@@ -70,7 +78,8 @@ pub fn steady(parameters: &Parameters, ratio: f64, speed: f64, force: f64, load:
     match load {
         Load::Share(share) => {
             let radius = running_radius(&p);
-            inputs.primary.torque = share * full_slip_torque(&p.friction, p.geometry.wedge_angle.cos(), force, radius);
+            inputs.primary.torque =
+                share * full_slip_torque(&p.friction, p.geometry.wedge_angle.cos(), force, radius);
         }
         Load::Slip(slip) => {
             p.primary.drive = Drive::Speed;
@@ -80,7 +89,8 @@ pub fn steady(parameters: &Parameters, ratio: f64, speed: f64, force: f64, load:
     let mut variator = Variator::new(p)?;
     variator.initialise(0.0, &inputs)?;
     let outputs = variator.outputs();
-    let carried = outputs.start_state == StartState::Steady && !(outputs.macro_slip && matches!(load, Load::Share(_)));
+    let carried =
+        outputs.start_state == StartState::Steady && !(outputs.macro_slip && matches!(load, Load::Share(_)));
     Ok(carried.then_some(variator))
 }
 
@@ -91,7 +101,10 @@ pub fn outputs(parameters: &Parameters, ratio: f64, force: f64, load: Load) -> F
 /// The least push force anywhere, N.
 pub fn lowest_push(variator: &Variator) -> f64 {
     let stations = stations(variator.system(), variator.state());
-    stations.iter().map(|at| at.sample.push).fold(f64::INFINITY, f64::min)
+    stations
+        .iter()
+        .map(|at| at.sample.push)
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// The same with 2 kN and no torque, at low speed: the least of the three ratios.
@@ -134,7 +147,11 @@ pub fn near_peak(parameters: &Parameters, ratio: f64) -> Found<[f64; 2]> {
         }
     }
     let peak = curve.iter().map(|c| c[1]).fold(0.0, f64::max);
-    let above = curve.iter().position(|c| c[1] >= NEAR_PEAK * peak).unwrap_or(1).max(1);
+    let above = curve
+        .iter()
+        .position(|c| c[1] >= NEAR_PEAK * peak)
+        .unwrap_or(1)
+        .max(1);
     let [[s0, u0], [s1, u1]] = [curve[above - 1], curve[above]];
     Ok([s0 + (s1 - s0) * (NEAR_PEAK * peak - u0) / (u1 - u0), peak])
 }
@@ -144,6 +161,8 @@ fn running_radius(parameters: &Parameters) -> f64 {
     let mut p = parameters.clone();
     p.initial.steady = false;
     let mut variator = Variator::new(p).expect("parameters are valid");
-    variator.initialise(0.0, &Inputs::default()).expect("the geometry fits");
+    variator
+        .initialise(0.0, &Inputs::default())
+        .expect("the geometry fits");
     variator.outputs().primary.radius
 }

@@ -46,8 +46,10 @@ fn difference(rows: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
 fn row(table: &Table<Settings, Readings>, outputs: &Outputs) -> Vec<f64> {
     let (settings, readings) = (Settings::default(), Readings::from(outputs.clone()));
     let of = |variable: &Variable<Settings, Readings>| {
-        let is_left_out =
-            variable.causality.is_setting() || ["solver.", "profile."].iter().any(|of| variable.name.starts_with(of));
+        let is_left_out = variable.causality.is_setting()
+            || ["solver.", "profile."]
+                .iter()
+                .any(|of| variable.name.starts_with(of));
         match variable.value(&settings, Some(&readings)) {
             Some(Value::Real(value)) if !is_left_out => Some(value),
             _ => None,
@@ -88,10 +90,17 @@ impl Report {
     pub fn of_arguments() -> Result<Self, Box<dyn Error>> {
         let arguments: Vec<String> = std::env::args().skip(1).collect();
         let mut report = Self::default();
-        match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        match arguments
+            .iter()
+            .map(String::as_str)
+            .collect::<Vec<_>>()
+            .as_slice()
+        {
             [] => {}
             ["--write", file] => report.write = Some(file.to_string()),
-            ["--compare", file] => report.other = Some(serde_json::from_str(&std::fs::read_to_string(file)?)?),
+            ["--compare", file] => {
+                report.other = Some(serde_json::from_str(&std::fs::read_to_string(file)?)?)
+            }
             _ => return Err("usage: fingerprint [--write FILE | --compare FILE]".into()),
         }
         Ok(report)

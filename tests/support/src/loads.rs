@@ -190,8 +190,12 @@ impl Driven {
         let forces = [self.middle[0], self.middle[1] + control];
         match self.load {
             LoadHistory::Ripple => forces.map(|force| force * (1.0 + 0.05 * (TAU * 100.0 * time).sin())),
-            LoadHistory::Noise | LoadHistory::FiringAndNoise => forces.map(|force| force + 30.0 * self.normal()),
-            LoadHistory::Stairs => forces.map(|force| 200.0 * ((force + 150.0 * self.normal()) / 200.0).round()),
+            LoadHistory::Noise | LoadHistory::FiringAndNoise => {
+                forces.map(|force| force + 30.0 * self.normal())
+            }
+            LoadHistory::Stairs => {
+                forces.map(|force| 200.0 * ((force + 150.0 * self.normal()) / 200.0).round())
+            }
             _ => forces,
         }
     }

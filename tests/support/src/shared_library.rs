@@ -59,7 +59,10 @@ pub fn reference(name: &str) -> u32 {
 /// Value references of the real outputs.
 pub fn real_outputs() -> Vec<u32> {
     let table = VariatorUnit::table();
-    let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
+    let outputs = table
+        .variables()
+        .iter()
+        .filter(|v| v.causality == Causality::Output);
     let real = outputs.filter(|v| matches!(v.kind, Kind::Real { .. }));
     real.map(|v| v.reference).collect()
 }
@@ -114,7 +117,8 @@ impl Functions {
         let guid = pushbelt::fmi::token::<VariatorUnit>(pushbelt::fmi::Version::Two, None);
         let guid = CString::new(guid).expect("no zero inside");
         // SAFETY: valid strings, and null where it is allowed.
-        let c = unsafe { (self.fmi2Instantiate)(c"variator".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0) };
+        let c =
+            unsafe { (self.fmi2Instantiate)(c"variator".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0) };
         assert!(!c.is_null());
         c
     }
@@ -124,7 +128,13 @@ impl Functions {
     /// # Safety
     /// `c` is an instance that has not been freed.
     pub unsafe fn make_cheap(&self, c: Component) {
-        let integers = ["ring.model", "mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"].map(reference);
+        let integers = [
+            "ring.model",
+            "mesh.primaryArc",
+            "mesh.secondaryArc",
+            "mesh.strand",
+        ]
+        .map(reference);
         let steady = reference("initial.steady");
         // SAFETY: `c` is an instance, and there are as many values as references.
         unsafe {

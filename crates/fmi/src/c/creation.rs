@@ -47,20 +47,37 @@ pub(crate) unsafe fn create<U: Unit>(
     contain(ptr::null_mut(), || {
         // SAFETY: it is one of the texts, for which the caller grants this.
         let read = |pointer| unsafe { text(pointer) }.map_err(|error| error.to_string());
-        let Texts { name, token, location } = texts;
+        let Texts {
+            name,
+            token,
+            location,
+        } = texts;
         let (name, token, location) = (read(name), read(token), read(location));
-        let texts = Texts { name, token, location };
-        let sink = messages(texts.name.as_ref().ok().and_then(Option::as_deref).unwrap_or_default());
+        let texts = Texts {
+            name,
+            token,
+            location,
+        };
+        let sink = messages(
+            texts
+                .name
+                .as_ref()
+                .ok()
+                .and_then(Option::as_deref)
+                .unwrap_or_default(),
+        );
         let function = match version {
             Version::Two => "fmi2Instantiate",
             Version::Three => "fmi3InstantiateCoSimulation",
         };
         let log = Log::new(sink, debug);
-        let report = |status, category, text: &str| log.send(status, category, &format!("{function}: {text}"));
+        let report =
+            |status, category, text: &str| log.send(status, category, &format!("{function}: {text}"));
         let started = start::<U>(version, texts, importer, &|text| {
             report(Status::Warning, Category::Warning, text)
         });
-        let Ok((importer, start)) = started.map_err(|why| report(Status::Error, Category::Error, &why)) else {
+        let Ok((importer, start)) = started.map_err(|why| report(Status::Error, Category::Error, &why))
+        else {
             return ptr::null_mut();
         };
         let instance = FmuInstance::<U>::new(importer, log, start);

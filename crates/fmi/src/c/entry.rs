@@ -115,7 +115,10 @@ pub(crate) unsafe fn array<'a, T>(pointer: *const T, count: usize) -> Result<&'a
 /// # Safety
 /// `pointer` is null, or points to `count` elements in one allocation, writable and not otherwise
 /// used for `'a`.
-pub(crate) unsafe fn array_mut<'a, T>(pointer: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>], CallError> {
+pub(crate) unsafe fn array_mut<'a, T>(
+    pointer: *mut T,
+    count: usize,
+) -> Result<&'a mut [MaybeUninit<T>], CallError> {
     let pointer = usable(pointer, count)?.cast();
     // SAFETY: as in `array`. The caller grants that nobody else uses the elements. They need not be
     // initialised.

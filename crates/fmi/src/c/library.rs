@@ -27,7 +27,8 @@ impl Library {
         let opened = unsafe { unix::Library::open(Some(path), unix::RTLD_NOW | unix::RTLD_LOCAL) };
         // SAFETY: the caller grants that the library's initialisation may run.
         #[cfg(windows)]
-        let opened = unsafe { windows::Library::load_with_flags(path, windows::LOAD_LIBRARY_SEARCH_SYSTEM32) };
+        let opened =
+            unsafe { windows::Library::load_with_flags(path, windows::LOAD_LIBRARY_SEARCH_SYSTEM32) };
         opened
             .map(|library| Self(library.into()))
             .map_err(|error| error.to_string())
@@ -70,7 +71,10 @@ pub fn own_path() -> Option<PathBuf> {
 /// of no use.
 #[cfg(not(target_os = "linux"))]
 pub fn own_path() -> Option<PathBuf> {
-    loaded_from().filter(|path| path.is_absolute())?.canonicalize().ok()
+    loaded_from()
+        .filter(|path| path.is_absolute())?
+        .canonicalize()
+        .ok()
 }
 
 #[cfg(not(any(windows, target_os = "linux")))]

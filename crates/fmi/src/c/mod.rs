@@ -155,7 +155,8 @@ macro_rules! export {
             };
             const _: () = {
                 use $crate::fmi3::{
-                    Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,
+                    Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage,
+                    Reference, Text,
                 };
                 use $crate::libc::{c_char, c_int, c_void};
                 use $crate::log::Status;

@@ -66,7 +66,11 @@ pub(crate) unsafe fn free<U: Unit>(instance: &mut FmuInstance<U>, state: *mut St
 ///
 /// # Safety
 /// `state` is a stored state. `size` is null or points to a writable number.
-pub(crate) unsafe fn size<U: Unit>(instance: &mut FmuInstance<U>, state: Stored, size: *mut usize) -> Outcome {
+pub(crate) unsafe fn size<U: Unit>(
+    instance: &mut FmuInstance<U>,
+    state: Stored,
+    size: *mut usize,
+) -> Outcome {
     // SAFETY: the caller grants this of both, and they are no parts of each other.
     let (snapshot, size) = unsafe { (snapshot(state)?, result(size)?) };
     size.write(instance.serialize(snapshot)?.len());
@@ -89,7 +93,11 @@ pub(crate) unsafe fn serialize<U: Unit>(
     let (given, needed) = (target.len(), bytes.len());
     match target.get_mut(..needed) {
         Some(target) => drop(target.write_copy_of_slice(&bytes)),
-        None => return refused(format!("the state takes {needed} bytes, but only {given} are given")),
+        None => {
+            return refused(format!(
+                "the state takes {needed} bytes, but only {given} are given"
+            ));
+        }
     }
     Ok(())
 }

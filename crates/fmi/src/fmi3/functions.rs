@@ -5,9 +5,13 @@ use std::ptr::null_mut;
 
 use super::creation::{Callbacks, Modes, instantiate, processor_suffices, refuse_instance};
 use super::steps::{Results, do_step};
-use super::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
+use super::{
+    Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,
+};
 use crate::c::creation::{Texts, free_instance};
-use crate::c::entry::{CO_SIMULATION_ONLY, NULL_RESULT, array, array_mut, enter, set_debug_logging, unsupported};
+use crate::c::entry::{
+    CO_SIMULATION_ONLY, NULL_RESULT, array, array_mut, enter, set_debug_logging, unsupported,
+};
 use crate::c::{define, stored};
 use crate::instance::{FmuInstance, Type, refused};
 use crate::log::Status;
@@ -21,7 +25,8 @@ const DIRECTIONAL: &str = "no output depends directly on an input, so every such
                                (providesDirectionalDerivatives is false)";
 const ADJOINT: &str = "no output depends directly on an input, so every such derivative would be zero \
                            (providesAdjointDerivatives is false)";
-const DEPENDENCIES: &str = "the model description lists the dependencies (providesPerElementDependencies is false)";
+const DEPENDENCIES: &str =
+    "the model description lists the dependencies (providesPerElementDependencies is false)";
 
 /// Passes the 75 C functions of FMI 3.0 to another macro, after its own arguments. States are
 /// stored on request only, so `noSetFMUStatePriorToCurrentPoint` of `fmi3DoStep` has no effect.

@@ -29,7 +29,8 @@ const SCALE: f64 = 0.1;
 
 /// The content of the file.
 pub fn terminals_and_icons(terminals: &[Terminal]) -> String {
-    let system = extent("CoordinateSystem", [0.0, 0.0], HALF_SIZE).with("suggestedScalingFactorTo_mm", Number(SCALE));
+    let system =
+        extent("CoordinateSystem", [0.0, 0.0], HALF_SIZE).with("suggestedScalingFactorTo_mm", Number(SCALE));
     let drawn = [system, extent("Icon", [0.0, 0.0], HALF_SIZE)];
     Element::new("fmiTerminalsAndIcons")
         .with("fmiVersion", "3.0")
@@ -45,7 +46,11 @@ fn terminal(terminal: &Terminal) -> Element {
             .with("memberName", member)
             .with("variableKind", "signal")
     });
-    let drawn = extent("TerminalGraphicalRepresentation", terminal.middle, [HALF_TERMINAL; 2]);
+    let drawn = extent(
+        "TerminalGraphicalRepresentation",
+        terminal.middle,
+        [HALF_TERMINAL; 2],
+    );
     Element::new("Terminal")
         .with("name", terminal.name)
         // Members are matched by their names.

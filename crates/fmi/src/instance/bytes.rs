@@ -58,7 +58,9 @@ pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> 
         ));
     };
     match rest.split_last_chunk() {
-        Some((content, sum)) if hash::of_words(&bytes[..bytes.len() - 16]) == u128::from_le_bytes(*sum) => Ok(content),
+        Some((content, sum)) if hash::of_words(&bytes[..bytes.len() - 16]) == u128::from_le_bytes(*sum) => {
+            Ok(content)
+        }
         _ => Err("the stored state is incomplete or damaged: its checksum is wrong".to_owned()),
     }
 }

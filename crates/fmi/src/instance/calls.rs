@@ -105,7 +105,9 @@ impl<U: Unit> FmuInstance<U> {
     /// intermediate update mode the time of the unit.
     pub fn time(&self) -> f64 {
         match &self.now.unit {
-            Some(unit) if self.now.state == State::IntermediateUpdate => self.now.clock.importer_time(unit.time()),
+            Some(unit) if self.now.state == State::IntermediateUpdate => {
+                self.now.clock.importer_time(unit.time())
+            }
             Some(_) => self.now.clock.point,
             None => self.now.experiment.start,
         }
@@ -118,7 +120,8 @@ impl<U: Unit> FmuInstance<U> {
     pub(crate) fn allow(&self, call: Call) -> Outcome {
         let state = self.now.state;
         // FMI 3.0 also lets start values be read before the initialisation.
-        let early = call == Call::Get && state == State::Instantiated && self.importer.version == Version::Three;
+        let early =
+            call == Call::Get && state == State::Instantiated && self.importer.version == Version::Three;
         if early || call.allowed_in(state) {
             return Ok(());
         }
@@ -183,7 +186,11 @@ impl<U: Unit> FmuInstance<U> {
     }
 
     /// Makes the call of a C function: logs its error and contains a panic within this instance.
-    pub fn call(&mut self, function: &str, body: &mut dyn FnMut(&mut Self) -> Result<Status, CallError>) -> Status {
+    pub fn call(
+        &mut self,
+        function: &str,
+        body: &mut dyn FnMut(&mut Self) -> Result<Status, CallError>,
+    ) -> Status {
         let outcome = catch_unwind(AssertUnwindSafe(|| body(self))).unwrap_or_else(|panic| {
             // After a panic the unit may be inconsistent.
             let broken = (self.now.unit.take(), self.step.take());
@@ -191,7 +198,9 @@ impl<U: Unit> FmuInstance<U> {
             let text = panic.downcast_ref::<&str>().copied();
             let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
             let text = text.unwrap_or("panic without a message");
-            Err(CallError::Failed(format!("internal error, please report: {text}")))
+            Err(CallError::Failed(format!(
+                "internal error, please report: {text}"
+            )))
         });
         let (status, category, text) = match outcome {
             Ok(status) => return status,

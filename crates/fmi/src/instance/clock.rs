@@ -78,7 +78,9 @@ impl Clock {
         }
         let end = current + step;
         if end > LATEST {
-            return refused(format!("the step ends at {end} s, after the latest time, {LATEST:e} s"));
+            return refused(format!(
+                "the step ends at {end} s, after the latest time, {LATEST:e} s"
+            ));
         }
         if let Some(stop) = stop
             && end > stop
@@ -147,7 +149,11 @@ impl Clock {
 
     /// Writes to an archive, or reads from it.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
-        let Self { point, elapsed, origin } = self;
+        let Self {
+            point,
+            elapsed,
+            origin,
+        } = self;
         archive.real(point);
         archive.real(elapsed);
         archive.real(origin);

@@ -170,7 +170,11 @@ impl Experiment {
     /// time.
     pub(crate) fn checked(mut self) -> Result<Self, CallError> {
         self.stop = self.stop.filter(|stop| *stop != f64::INFINITY);
-        let Self { tolerance, start, stop } = self;
+        let Self {
+            tolerance,
+            start,
+            stop,
+        } = self;
         Clock::start(start)?;
         if let Some(stop) = stop
             && (stop.is_nan() || stop < start)

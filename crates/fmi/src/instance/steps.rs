@@ -87,7 +87,8 @@ impl<U: Unit> FmuInstance<U> {
     /// A call within the callback failed; or the unit can't do the rest of the step, and the whole
     /// step is discarded.
     pub fn resume_step(&mut self, until: Option<f64>) -> Result<Next, CallError> {
-        let (State::IntermediateUpdate, Some(unit), Some(step)) = (self.now.state, &mut self.now.unit, &mut self.step)
+        let (State::IntermediateUpdate, Some(unit), Some(step)) =
+            (self.now.state, &mut self.now.unit, &mut self.step)
         else {
             return refused("a call within the intermediate update failed");
         };

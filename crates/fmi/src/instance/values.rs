@@ -56,7 +56,8 @@ impl<U: Unit> FmuInstance<U> {
 
     /// In intermediate update mode, refuses variables that were not announced for it.
     pub(super) fn allow_intermediate(&self, references: &[u32]) -> Outcome {
-        let announced = |reference: &u32| *reference == TIME || self.importer.intermediate.contains(reference);
+        let announced =
+            |reference: &u32| *reference == TIME || self.importer.intermediate.contains(reference);
         match references.iter().find(|reference| !announced(reference)) {
             Some(other) if self.now.state == State::IntermediateUpdate => refused(format!(
                 "in intermediate update mode, and the value reference {other} is not among the required \
@@ -71,7 +72,12 @@ impl<U: Unit> FmuInstance<U> {
     /// # Errors
     /// A variable does not exist or has another type, or the number of values is wrong; or the unit
     /// does not start, and the instance has failed.
-    pub fn get<N: NumCast>(&mut self, of: Type, references: &[u32], values: &mut [MaybeUninit<N>]) -> Outcome {
+    pub fn get<N: NumCast>(
+        &mut self,
+        of: Type,
+        references: &[u32],
+        values: &mut [MaybeUninit<N>],
+    ) -> Outcome {
         self.allow_intermediate(references)?;
         self.check_values(references, values.len())?;
         self.allow(Call::Get)?;
@@ -120,7 +126,8 @@ impl<U: Unit> FmuInstance<U> {
             has_tunable |= self.check_writable(find(&self.table, reference, of)?)?;
         }
         let mut settings = self.now.settings.clone();
-        for (reference, value) in value_references(self.importer.version, &self.table, references).zip(values) {
+        for (reference, value) in value_references(self.importer.version, &self.table, references).zip(values)
+        {
             let value = match of {
                 Type::Real => Value::Real(value.to_f64().unwrap_or(f64::NAN)),
                 _ => Value::Integer(value.to_i64().unwrap_or(i64::MAX)),
@@ -178,7 +185,11 @@ impl<U: Unit> FmuInstance<U> {
 
 /// The value reference of each value: in FMI 3.0 those of an array's elements for that of the
 /// array.
-fn value_references<S, R>(version: Version, table: &Table<S, R>, references: &[u32]) -> impl Iterator<Item = u32> {
+fn value_references<S, R>(
+    version: Version,
+    table: &Table<S, R>,
+    references: &[u32],
+) -> impl Iterator<Item = u32> {
     references
         .iter()
         .flat_map(move |&reference| match table.array_of(reference) {
@@ -191,13 +202,21 @@ fn value_references<S, R>(version: Version, table: &Table<S, R>, references: &[u
 ///
 /// # Errors
 /// No variable has it, or another type.
-pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Result<&Variable<S, R>, CallError> {
+pub(super) fn find<S, R>(
+    table: &Table<S, R>,
+    reference: u32,
+    of: Type,
+) -> Result<&Variable<S, R>, CallError> {
     match table.by_reference(reference) {
         None if reference == TIME => refused(
             "time (value reference 0) is the independent variable: it can't be set, and only \
              fmi3GetFloat64 reads it",
         ),
-        None => match table.retired.iter().find(|retired| retired.reference == reference) {
+        None => match table
+            .retired
+            .iter()
+            .find(|retired| retired.reference == reference)
+        {
             Some(retired) => refused(retired.to_string()),
             None => refused(format!("no variable has the value reference {reference}")),
         },

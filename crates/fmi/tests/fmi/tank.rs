@@ -87,7 +87,10 @@ const UNITS: &[UnitDefinition] = &[UnitDefinition::new("1", &[]).shown_in(&[("%"
 static SHAPES: Enumeration = Enumeration {
     name: "Shape",
     description: "Shape of the tank",
-    items: &[Item::new("Round", 1, "A cylinder"), Item::new("Square", 2, "A box")],
+    items: &[
+        Item::new("Round", 1, "A cylinder"),
+        Item::new("Square", 2, "A box"),
+    ],
 };
 
 static RETIRED: [Retired; 1] = [Retired {
@@ -131,7 +134,8 @@ impl Unit for Tank {
         };
         let mut variables = vec![
             real(START, "start", Parameter, setting!(start)),
-            real(GAIN, "gain", Tunable, setting!(gain)).with_range(Range::between(-1e3, 10.0).with_nominal(2e6)),
+            real(GAIN, "gain", Tunable, setting!(gain))
+                .with_range(Range::between(-1e3, 10.0).with_nominal(2e6)),
             real(INFLOW, "inflow", Input, setting!(inflow)),
             real(BRIM, "brim", Input, setting!(brim)),
             real(LEVEL, "level", Output, Access::Reading(|gauges| gauges.level)),
@@ -215,10 +219,17 @@ impl Unit for Tank {
         })
     }
 
-    fn advance(&mut self, to: f64, step: &mut Step, valves: &Valves, _: &mut Vec<Message>) -> Result<(), String> {
+    fn advance(
+        &mut self,
+        to: f64,
+        step: &mut Step,
+        valves: &Valves,
+        _: &mut Vec<Message>,
+    ) -> Result<(), String> {
         assert!(valves.inflow != BURST, "the tank burst");
         let to = to.min(self.time + LONGEST);
-        let [before, after] = [self.time, to].map(|time| valves.inflow + step.growth * (time - step.before.time));
+        let [before, after] =
+            [self.time, to].map(|time| valves.inflow + step.growth * (time - step.before.time));
         self.flow = [valves.gain * after, valves.gain * step.growth];
         let rate = valves.gain * 0.5 * (before + after);
         if self.level + rate * (to - self.time) > valves.brim {

@@ -151,7 +151,11 @@ impl Real for f64 {
         let root = (self * self + square).sqrt();
         let sum = root + self.abs();
         // For x ≪ −δ the sum cancels; the quotient form keeps all digits.
-        let plus = if self > 0.0 { sum * 0.5 } else { (0.5 * square) / sum };
+        let plus = if self > 0.0 {
+            sum * 0.5
+        } else {
+            (0.5 * square) / sum
+        };
         [plus, plus / root, (0.5 * square) / (root * root * root)]
     }
 }

@@ -82,7 +82,9 @@ mod tests {
                 ]
                 .map(|difference| difference / (2.0 * h));
                 let slopes = [value.re, value.eps[0], slope.eps[0], bend.eps[0]];
-                for ((slope, difference), error) in slopes.into_iter().zip(differences).zip([1e-8, 1e-8, 1e-8, 1e-7]) {
+                for ((slope, difference), error) in
+                    slopes.into_iter().zip(differences).zip([1e-8, 1e-8, 1e-8, 1e-7])
+                {
                     let off = (slope - difference).abs();
                     assert!(off < error * (1.0 + x.abs()), "{x}: {slope} {difference}");
                 }
@@ -96,7 +98,9 @@ mod tests {
         for x in [-1e4, -50.0, -3.0, -0.2, 0.0, 1e-3, 0.4, 7.0, 1e4] {
             let of_numbers = [x.soft_plus(0.3), x.smooth_plus(0.3)].as_flattened().to_vec();
             let pack = Lanes::new([x; LANES]);
-            let of_packs = [pack.soft_plus(0.3), pack.smooth_plus(0.3)].as_flattened().to_vec();
+            let of_packs = [pack.soft_plus(0.3), pack.smooth_plus(0.3)]
+                .as_flattened()
+                .to_vec();
             let energies = (soft_plus_energy(pack, 0.3), soft_plus_energy(x, 0.3));
             for (pack, number) in of_packs.into_iter().zip(of_numbers).chain([energies]) {
                 let pack = pack.lane(0);

@@ -58,7 +58,8 @@ fn shuffled(shape: Shape, seed: u32) -> Vec<usize> {
 /// The smallest, all sizes of blocks, those known to the compiler among them, and longer loops.
 #[test]
 fn products_and_solutions_are_the_dense_ones() {
-    let small = [3, 4, 8].map(|blocks| [0, 1, 5, 12].map(|border| (1..=10).map(move |block| [blocks, block, border])));
+    let small = [3, 4, 8]
+        .map(|blocks| [0, 1, 5, 12].map(|border| (1..=10).map(move |block| [blocks, block, border])));
     let others = [
         [3, 4, 2],
         [20, 4, 2],
@@ -69,9 +70,17 @@ fn products_and_solutions_are_the_dense_ones() {
         [5, 10, 12],
     ];
     for ([blocks, block, border], seed) in small.into_iter().flatten().flatten().chain(others).zip(5..) {
-        let shape = Shape { blocks, block, border };
+        let shape = Shape {
+            blocks,
+            block,
+            border,
+        };
         let mut lu = ArrowLu::new(shape);
-        for (order, seed) in [(vec![], seed), (shuffled(shape, seed + 3), seed), (vec![], seed + 1)] {
+        for (order, seed) in [
+            (vec![], seed),
+            (shuffled(shape, seed + 3), seed),
+            (vec![], seed + 1),
+        ] {
             assert_like_dense(&mut lu, shape, &order, seed);
         }
     }
@@ -108,8 +117,16 @@ fn a_singular_block_is_named() {
             } else {
                 block.min(shape.blocks)
             };
-            assert_eq!(singular(&|arrow| arrow.set_unit_row(row, 0.0)), named, "row {row}");
-            assert_eq!(singular(&|arrow| arrow.add(row, row, f64::NAN)), named, "row {row}");
+            assert_eq!(
+                singular(&|arrow| arrow.set_unit_row(row, 0.0)),
+                named,
+                "row {row}"
+            );
+            assert_eq!(
+                singular(&|arrow| arrow.add(row, row, f64::NAN)),
+                named,
+                "row {row}"
+            );
         }
     }
 }

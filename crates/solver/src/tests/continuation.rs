@@ -54,10 +54,17 @@ fn the_stable_branch_is_found_from_either_side() {
     for parameter in [1.0_f64, 1e-2, 1e-4] {
         let root = parameter.sqrt();
         for start in [30.0 * root, 2.0 * root, 0.5 * root, -0.5 * root] {
-            let ([y, _], outcome, _) =
-                settled(Fold { parameter }, [start, 0.0], &SETTINGS, [0.5 * root, f64::INFINITY]);
+            let ([y, _], outcome, _) = settled(
+                Fold { parameter },
+                [start, 0.0],
+                &SETTINGS,
+                [0.5 * root, f64::INFINITY],
+            );
             outcome.unwrap();
-            assert!((y - root).abs() < 1e-9 * root, "λ = {parameter}, from {start}: {y}");
+            assert!(
+                (y - root).abs() < 1e-9 * root,
+                "λ = {parameter}, from {start}: {y}"
+            );
         }
     }
 }
@@ -99,7 +106,12 @@ fn an_arch_stands_until_it_snaps() {
 
 #[test]
 fn who_refuses_every_step_ends_it() {
-    let ([y, _], outcome, refused) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, [0.0, f64::INFINITY]);
+    let ([y, _], outcome, refused) = settled(
+        Fold { parameter: 1.0 },
+        [30.0, 0.0],
+        &SETTINGS,
+        [0.0, f64::INFINITY],
+    );
     let report = outcome.unwrap_err();
     assert_eq!(y, 30.0);
     assert!(report.step < MIN_STEP && refused == report.solves, "{report:?}");
@@ -107,8 +119,16 @@ fn who_refuses_every_step_ends_it() {
 
 #[test]
 fn the_system_is_evaluated_at_the_time_that_was_set() {
-    let settings = ContinuationSettings { time: 3.0, ..SETTINGS };
-    let ([y, _], outcome, _) = settled(Fold { parameter: 1.0 }, [1.0, 0.0], &settings, [0.5, f64::INFINITY]);
+    let settings = ContinuationSettings {
+        time: 3.0,
+        ..SETTINGS
+    };
+    let ([y, _], outcome, _) = settled(
+        Fold { parameter: 1.0 },
+        [1.0, 0.0],
+        &settings,
+        [0.5, f64::INFINITY],
+    );
     outcome.unwrap();
     assert!((y - 2.0).abs() < 1e-9, "{y}");
 }
@@ -121,5 +141,11 @@ fn the_longest_step_is_kept_to() {
     };
     let (_, outcome, _) = settled(Fold { parameter: 1.0 }, [0.0; 2], &settings, [f64::INFINITY, 0.1]);
     // It never got as far as the step that counts as steady.
-    assert_eq!(outcome, Err(NotSteady { solves: 20, step: 0.1 }));
+    assert_eq!(
+        outcome,
+        Err(NotSteady {
+            solves: 20,
+            step: 0.1
+        })
+    );
 }

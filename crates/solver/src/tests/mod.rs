@@ -12,7 +12,9 @@ use super::newton::Counts;
 /// Numbers without a pattern within ±1: a tone whose pitch rises.
 pub fn numbers(count: usize, seed: u32) -> Vec<f64> {
     let rise = 0.7 + 0.01 * f64::from(seed);
-    (0..count).map(|i| (rise * ((i + 1) * (i + 1)) as f64).sin()).collect()
+    (0..count)
+        .map(|i| (rise * ((i + 1) * (i + 1)) as f64).sin())
+        .collect()
 }
 
 /// Work of a run in numbers: steps, rejected, failed, residuals, factorizations.
@@ -23,7 +25,8 @@ fn work(mut counts: Counts) -> [u64; 5] {
 /// Asserts that work is what it was: two in a hundred more fail, and ten in a hundred less, for then the numbers in the
 /// test are out of date.
 fn assert_work<const N: usize>(found: [u64; N], pinned: [u64; N], what: &str) {
-    let in_band = |(found, pinned): (&u64, &u64)| (pinned - pinned / 10..=pinned + pinned / 50).contains(found);
+    let in_band =
+        |(found, pinned): (&u64, &u64)| (pinned - pinned / 10..=pinned + pinned / 50).contains(found);
     assert!(
         found.iter().zip(&pinned).all(in_band),
         "{what}: {found:?}, pinned {pinned:?}"

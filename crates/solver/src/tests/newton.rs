@@ -19,7 +19,10 @@ fn solve<E: Equations<N>, const N: usize>(
 }
 
 /// Solves anew; the solution, residual evaluations and factorizations.
-fn fresh<E: Equations<N>, const N: usize>(equations: E, guess: [f64; N]) -> (Result<[f64; N], Unsolved>, [u64; 2]) {
+fn fresh<E: Equations<N>, const N: usize>(
+    equations: E,
+    guess: [f64; N],
+) -> (Result<[f64; N], Unsolved>, [u64; 2]) {
     let mut system = Test::new(equations);
     let mut newton = Newton::new(&system);
     let found = solve(&mut newton, &mut system, guess, false);
@@ -70,7 +73,10 @@ equations! {
 
 #[test]
 fn a_stiff_wall_is_met_and_left() {
-    let wall = |force| Wall { stiffness: 1e8, force };
+    let wall = |force| Wall {
+        stiffness: 1e8,
+        force,
+    };
     assert_solves(wall(5.0), 1e3, 5.0 / (1.0 + 1e8), [2, 1]);
     assert_solves(wall(-5.0), 1e-3, -5.0, [4, 2]);
     let soft = Wall {
@@ -163,7 +169,11 @@ fn ill_scaled_unknowns_and_rows() {
         (a * 1e9 - 1.0).abs() < 1e-10 && (b * 1e-9 - 2.0).abs() < 1e-10,
         "{a} {b}"
     );
-    assert_work([newton.counts.residuals, newton.counts.factorizations], [9, 1], "");
+    assert_work(
+        [newton.counts.residuals, newton.counts.factorizations],
+        [9, 1],
+        "",
+    );
 }
 
 impl Springs {
@@ -214,5 +224,9 @@ fn iterations_add_up_to_a_new_jacobian() {
     }
     let total = made[made.len() - 1];
     assert!((2..=20).contains(&total), "{total} for 40 stages");
-    assert_work([newton.counts.residuals, newton.counts.factorizations], [240, 7], "");
+    assert_work(
+        [newton.counts.residuals, newton.counts.factorizations],
+        [240, 7],
+        "",
+    );
 }

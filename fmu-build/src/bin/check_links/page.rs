@@ -120,8 +120,9 @@ mod tests {
 
     #[test]
     fn markdown_headings_become_anchors() {
-        let page =
-            Page::from_markdown("# What a `change` touches\n## Start\n## Start\n<a id=\"x\"></a>[t](docs/a.md#b)");
+        let page = Page::from_markdown(
+            "# What a `change` touches\n## Start\n## Start\n<a id=\"x\"></a>[t](docs/a.md#b)",
+        );
         for anchor in ["what-a-change-touches", "start", "start-1", "x"] {
             assert!(page.anchors.contains(anchor), "{anchor}: {page:?}");
         }

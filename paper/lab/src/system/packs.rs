@@ -51,15 +51,22 @@ pub(super) struct ElementPack<const N: usize> {
 impl<const N: usize> ElementPack<N> {
     pub(super) fn all<M: RingFormulation<D, N>, const D: usize>(model: &M) -> Vec<Self> {
         let shape = shape::<M, D, N>(model);
-        let elements: Vec<_> = (0..model.elements()).map(|element| model.directions(element)).collect();
+        let elements: Vec<_> = (0..model.elements())
+            .map(|element| model.directions(element))
+            .collect();
         let entry = |i, j| shape.index(i, j).expect("an entry in the band");
         let chunks = elements.chunks(LANES).enumerate();
         chunks
             .map(|(k, elements)| Self {
                 first: k * LANES,
                 elements: elements.to_vec(),
-                entries: elements.iter().map(|at| at.map(|i| at.map(|j| entry(i, j)))).collect(),
-                lanes: array::from_fn(|i| array::from_fn(|lane| elements.get(lane).unwrap_or(&elements[0])[i])),
+                entries: elements
+                    .iter()
+                    .map(|at| at.map(|i| at.map(|j| entry(i, j))))
+                    .collect(),
+                lanes: array::from_fn(|i| {
+                    array::from_fn(|lane| elements.get(lane).unwrap_or(&elements[0])[i])
+                }),
             })
             .collect()
     }
@@ -72,7 +79,12 @@ impl<const N: usize> ElementPack<N> {
         slopes: [f64; 2],
         seed: impl Fn(Lanes, usize, f64) -> T,
     ) -> Coordinates<T, N> {
-        coordinates(view, slopes, |of, k| Lanes::new(self.lanes[k].map(|i| of[i])), seed)
+        coordinates(
+            view,
+            slopes,
+            |of, k| Lanes::new(self.lanes[k].map(|i| of[i])),
+            seed,
+        )
     }
 
     /// Adds its derivatives to the matrix; false if the model evaluates its elements one by one.
@@ -84,8 +96,9 @@ impl<const N: usize> ElementPack<N> {
         out: &mut Arrow,
     ) -> bool {
         for first in (0..N).step_by(PASS) {
-            let seed =
-                |value, direction: usize, slope| Tangent::<PASS>::seed(value, direction.wrapping_sub(first), slope);
+            let seed = |value, direction: usize, slope| {
+                Tangent::<PASS>::seed(value, direction.wrapping_sub(first), slope)
+            };
             let Some(rows) = model.balance_of_many(&self.motion(view, slopes, seed)) else {
                 return false;
             };
