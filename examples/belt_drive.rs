@@ -1,9 +1,11 @@
-//! The variator under one of the loads of `cargo fmu bench -- --loads`, for comparison with a code for belt drives.
+//! The variator under one of the loads of `cargo fmu bench -- --loads`, for comparison with a code
+//! for belt drives.
 //!
 //! `cargo run --release --example belt_drive -- --load b --model ale0 --seconds 1`
 //!
-//! Prints the processor time of steps and outputs, the least of several runs. `--csv` writes one line per step: time (s), speeds (rad/s),
-//! torques of the belt on the pulleys (N·m), slip, belt speed (m/s).
+//! Prints the processor time of steps and outputs, the least of several runs. `--csv` writes one
+//! line per step: time (s), speeds (rad/s), torques of the belt on the pulleys (N·m), slip, belt
+//! speed (m/s).
 
 use std::error::Error;
 use std::fmt::Write;

@@ -1,7 +1,8 @@
-//! The default experiment through the Rust API: 1 s of the laboratory variator in steps of 1 ms, as CSV on stdout.
+//! The default experiment through the Rust API: 1 s of the laboratory variator in steps of 1 ms, as
+//! CSV on stdout.
 //!
-//! `cargo run --release --example default_run > default.csv`. Numbers are printed in full, so they read back bit by
-//! bit. The first argument, if any, is the number of steps.
+//! `cargo run --release --example default_run > default.csv`. Numbers are printed in full, so they
+//! read back bit by bit. The first argument, if any, is the number of steps.
 
 use std::error::Error;
 use std::io::Write;

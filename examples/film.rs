@@ -1,10 +1,10 @@
-//! Gaps, slip and traction over the oil between the elements: suction, thickness, roughness and damping. Prints the Markdown
-//! table:
+//! Gaps, slip and traction over the oil between the elements: suction, thickness, roughness and
+//! damping. Prints the Markdown table:
 //!
 //! `cargo run --release --example film`
 //!
-//! Values in the order of the table's columns give one row of it, `ALE0` behind them uses that ring:
-//! `cargo run --release --example film -- 19 1.5e-6 1e-7 9 300`
+//! Values in the order of the table's columns give one row of it, `ALE0` behind them uses that
+//! ring: `cargo run --release --example film -- 19 1.5e-6 1e-7 9 300`
 
 use std::error::Error;
 

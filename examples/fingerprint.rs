@@ -1,11 +1,12 @@
-//! A hash of every output bit of the manoeuvre, for each ring: a change that only moves code does not change the hash.
+//! A hash of every output bit of the manoeuvre, for each ring: a change that only moves code does
+//! not change the hash.
 //!
-//! `cargo run --release --example fingerprint` prints a line per run: the case, the hash (over the bits of all
-//! outputs after every step, and the profile at the end), and its work. Builds with the same arithmetic agree in every bit on
-//! one kind of processor.
+//! `cargo run --release --example fingerprint` prints a line per run: the case, the hash (over the
+//! bits of all outputs after every step, and the profile at the end), and its work. Builds with the
+//! same arithmetic agree in every bit on one kind of processor.
 //!
-//! `-- --write FILE` stores all outputs, and `-- --compare FILE` prints their differences from those of another build, as a
-//! share of the range of each output in its case.
+//! `-- --write FILE` stores all outputs, and `-- --compare FILE` prints their differences from
+//! those of another build, as a share of the range of each output in its case.
 
 use std::error::Error;
 

@@ -1,8 +1,9 @@
 //! `ALE0` compared with `ALE`: thrust ratios of the nine load cases, and shift rates.
 //!
-//! `cargo run --release --example level_of_detail` prints a line per load case and a line per shift. Shifts start without load
-//! at 1000 rpm, in the steady state of the speed ratio s = r_P/r_S and the secondary force. There F_P is raised by e^0.3.
-//! The gain is ds/dt per unit of ln F_P, from 60 to 120 ms after the step.
+//! `cargo run --release --example level_of_detail` prints a line per load case and a line per
+//! shift. Shifts start without load at 1000 rpm, in the steady state of the speed ratio s = r_P/r_S
+//! and the secondary force. There F_P is raised by e^0.3. The gain is ds/dt per unit of ln F_P,
+//! from 60 to 120 ms after the step.
 
 use pushbelt::variator::settings::RingModel;
 use pushbelt_support::load_cases::LoadCase;

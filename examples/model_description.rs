@@ -1,6 +1,6 @@
-//! Prints a file that is generated from the variable table or the tables of C functions; `cargo fmu describe` runs it. The first argument names it:
-//! `modelDescription.xml` (FMI 2.0, also without an argument), `modelDescription3.xml` (FMI 3.0), `terminalsAndIcons.xml` or
-//! `exports.def`.
+//! Prints a file that is generated from the variable table or the tables of C functions; `cargo fmu
+//! describe` runs it. The first argument names it: `modelDescription.xml` (FMI 2.0, also without an
+//! argument), `modelDescription3.xml` (FMI 3.0), `terminalsAndIcons.xml` or `exports.def`.
 
 use pushbelt::fmi::Version;
 use pushbelt::unit::{model_description, terminals};

@@ -1,5 +1,5 @@
-//! Unstable steady states: all modes up to 20 kHz over ratios, torques and speeds, with a clamping force of 12 kN. Prints each
-//! state with growing modes, and the fastest of them.
+//! Unstable steady states: all modes up to 20 kHz over ratios, torques and speeds, with a clamping
+//! force of 12 kN. Prints each state with growing modes, and the fastest of them.
 //!
 //! `cargo run --release --example modes [-- --rigid] [--finer] [--ale0]`
 

@@ -1,16 +1,18 @@
 //! A ring model of one's own: bands that stiffen as they stretch.
 //!
-//! The layers of a ring set are not equally long. The shorter ones are loaded first and the others later, so the set gets stiffer
-//! with its strain γ. This ring has the simplest such law on top of the beam of `ALE`,
+//! The layers of a ring set are not equally long. The shorter ones are loaded first and the others
+//! later, so the set gets stiffer with its strain γ. This ring has the simplest such law on top of
+//! the beam of `ALE`,
 //!
 //! T = EA γ (1 + c γ), V = ∫ EA (½ γ² + ⅓ c γ³) dξ.
 //!
-//! `cargo run --release --example own_ring` prints thrust ratio and largest ring tension of three load cases for `ALE`, for
-//! this ring with c = 0, which must have the same results, and with stiffening. A shift checks the energy balance.
+//! `cargo run --release --example own_ring` prints thrust ratio and largest ring tension of three
+//! load cases for `ALE`, for this ring with c = 0, which must have the same results, and with
+//! stiffening. A shift checks the energy balance.
 //!
-//! The ring has the three parts of `pushbelt::variator::ring_models`: [`StiffeningRing`] inside one cell, [`Stiffening`] as
-//! its [`RingKind`], and its implementation of [`BeltRing`]. Residual, Jacobian, outputs, energy balance and steady states
-//! follow from these.
+//! The ring has the three parts of `pushbelt::variator::ring_models`: [`StiffeningRing`] inside one
+//! cell, [`Stiffening`] as its [`RingKind`], and its implementation of [`BeltRing`]. Residual,
+//! Jacobian, outputs, energy balance and steady states follow from these.
 
 use std::sync::Arc;
 
@@ -160,7 +162,8 @@ fn steady_states() {
     }
 }
 
-/// Energy balance of a shift, in which Θ moves: the forces of the law are the gradient of its energy.
+/// Energy balance of a shift, in which Θ moves: the forces of the law are the gradient of its
+/// energy.
 fn shift() {
     let ring = Arc::new(Stiffening { factor: FACTOR });
     let mut run = Run::with_ring(

@@ -1,6 +1,7 @@
-//! Distribution of the belt's play with and without oil between the elements: at a fifth of capacity near ratio 1, and with a
-//! coasting engine in overdrive. Prints slip and work over half a second of each, also on other meshes, without play and
-//! without ring friction, with the fastest-growing mode of the steady state. Draws the gaps along the belt over time
+//! Distribution of the belt's play with and without oil between the elements: at a fifth of
+//! capacity near ratio 1, and with a coasting engine in overdrive. Prints slip and work over half a
+//! second of each, also on other meshes, without play and without ring friction, with the
+//! fastest-growing mode of the steady state. Draws the gaps along the belt over time
 //! (`target/play.svg`). Then counts the working points at which slip oscillates:
 //!
 //! `cargo run --release --example play`
@@ -118,7 +119,8 @@ fn undamp(parameters: &mut Parameters) {
     parameters.belt.squeeze_damping = 0.0;
 }
 
-/// Ratios, clamping forces of both pulleys, N, and torques as shares of full slip's, of the counted working points.
+/// Ratios, clamping forces of both pulleys, N, and torques as shares of full slip's, of the counted
+/// working points.
 const RATIOS: [f64; 8] = [0.43, 0.5, 0.8, 0.95, 1.0, 1.06, 1.3, 2.0];
 const FORCES: [f64; 2] = [4e3, 10e3];
 /// Torque of full slip at ratio 1, N·m; it is proportional to the radius.
@@ -159,7 +161,8 @@ struct Swing {
     steps: u64,
     jacobians: u64,
     gaps: Gaps,
-    /// Growth of the fastest-growing mode of the start state, 1/s and Hz; none if that is not steady.
+    /// Growth of the fastest-growing mode of the start state, 1/s and Hz; none if that is not
+    /// steady.
     mode: Option<[f64; 2]>,
 }
 
@@ -232,7 +235,8 @@ fn run(point: &Point, name: &str, change: fn(&mut Parameters)) -> Result<Gaps, B
     Ok(found.gaps)
 }
 
-/// Over ratios, clamping forces and torques: the points at which slip oscillates, and the Jacobians of all runs.
+/// Over ratios, clamping forces and torques: the points at which slip oscillates, and the Jacobians
+/// of all runs.
 fn survey(name: &str, change: fn(&mut Parameters)) -> Result<(), Box<dyn Error>> {
     let (mut points, mut formed, mut growing, mut swinging) = (0, 0, 0, Vec::new());
     for ratio in RATIOS {

@@ -1,6 +1,7 @@
-//! Sensitivity of thrust ratio and slip to uncertain parameters, around the laboratory variator at 50 N·m, 2000 rpm and three
-//! ratios; then to the roughness of the elements' faces and the film between them; then that of the thrust ratio without torque
-//! and of the peak of traction. Prints Markdown tables; `docs/notebook/figures.md` has what decides:
+//! Sensitivity of thrust ratio and slip to uncertain parameters, around the laboratory variator at
+//! 50 N·m, 2000 rpm and three ratios; then to the roughness of the elements' faces and the film
+//! between them; then that of the thrust ratio without torque and of the peak of traction. Prints
+//! Markdown tables; `docs/notebook/figures.md` has what decides:
 //!
 //! `cargo run --release --example sensitivity`
 
@@ -132,7 +133,8 @@ fn mesh(p: &mut Parameters, times: i32, over: i32) {
     }
 }
 
-/// A variator that starts at a ratio, held by the primary sheave, and a primary speed, rad/s; its secondary shaft follows a set point.
+/// A variator that starts at a ratio, held by the primary sheave, and a primary speed, rad/s; its
+/// secondary shaft follows a set point.
 fn held(parameters: &Parameters, ratio: f64, speed: f64) -> Parameters {
     let mut p = parameters.clone();
     p.initial.ratio = ratio;
@@ -194,7 +196,8 @@ fn without_torque(base: &Parameters) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The sixth table: differences between the peaks of traction over slip at 10 and 30 kN, 1000 and 4000 rpm.
+/// The sixth table: differences between the peaks of traction over slip at 10 and 30 kN, 1000 and
+/// 4000 rpm.
 fn traction(base: &Parameters) -> Result<(), Box<dyn Error>> {
     println!("| changed | ratio 1: peaks apart | ratio 0.5: peaks apart |\n|---|---|---|");
     for (name, change) in TRACTION_CHANGES {

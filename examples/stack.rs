@@ -1,10 +1,13 @@
-//! The law of the stack over loads and states, and `ALE0` beside `ALE`: figures of `docs/notebook/experiments.md`.
+//! The law of the stack over loads and states, and `ALE0` beside `ALE`: figures of
+//! `docs/notebook/experiments.md`.
 //!
 //! `cargo run --release --example stack -- WHAT [--ale0] [--finer]`, WHAT being
 //! - `manoeuvre`, `loads=bceg`: counts of the solver and the least push force,
 //! - `states`: the least push force over ratios, torques and forces up to 7000 rpm,
-//! - `levels`: 75 states of `ALE0` against `ALE`, or with `--finer` of twice the elements against the default mesh,
-//! - `mirror`: thrust ratios without torque at i and 1/i, which multiply to 1 between pulleys alike and without a stack.
+//! - `levels`: 75 states of `ALE0` against `ALE`, or with `--finer` of twice the elements against
+//!   the default mesh,
+//! - `mirror`: thrust ratios without torque at i and 1/i, which multiply to 1 between pulleys alike
+//!   and without a stack.
 
 use std::error::Error;
 

@@ -1,26 +1,32 @@
-//! Wedge contact between element flank and conical sheave, with two-dimensional friction: a law without state.
+//! Wedge contact between element flank and conical sheave, with two-dimensional friction: a law
+//! without state.
 //!
-//! Place: polar coordinates about the pulley axis, e_r outward, e_t = (e_r,y, −e_r,x) clockwise like ω, pitch radius
-//! ϱ = |r − O| − e; θ grows with ω: e_r = (cos θ, −sin θ).
+//! Place: polar coordinates about the pulley axis, e_r outward, e_t = (e_r,y, −e_r,x) clockwise
+//! like ω, pitch radius ϱ = |r − O| − e; θ grows with ω: e_r = (cos θ, −sin θ).
 //!
-//! - penetration of a flank (axial) g = z/2 − (ϱ − r₀) tan β − w, elastic opening of the sheave w = ϱ (ψ_x cos θ + ψ_y
-//!   sin θ),
-//! - its rate along an element's path Dg/Dt = ż/2 − ∂w/∂t − (tan β + ∂w/∂ϱ) v_r − (∂w/∂θ)(v_t,abs/ϱ),
-//! - normal force per flank and pitch-line length p = k_c cos β (⟨g⟩₊ + d_c H Dg/Dt), H the derivative of ⟨·⟩₊,
-//! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with the penetration rate of
-//!   the sheave's surface u = ż/2 − (∂w/∂t + ω ∂w/∂θ): a rotating tilted sheave closes and opens,
-//! - friction −μ(v) p_el (v_t, v_f)/√(v² + v₀²), v² = v_t² + v_f², with μ(v) = μ (1 − f v²/(v² + v_c²)): measured
-//!   traction decreases slightly in fast sliding. p_el ≥ 0 is the elastic part of p and f < 1, so friction always
-//!   dissipates.
+//! - penetration of a flank (axial) g = z/2 − (ϱ − r₀) tan β − w, elastic opening of the sheave w =
+//!   ϱ (ψ_x cos θ + ψ_y sin θ),
+//! - its rate along an element's path Dg/Dt = ż/2 − ∂w/∂t − (tan β + ∂w/∂ϱ) v_r −
+//!   (∂w/∂θ)(v_t,abs/ϱ),
+//! - normal force per flank and pitch-line length p = k_c cos β (⟨g⟩₊ + d_c H Dg/Dt), H the
+//!   derivative of ⟨·⟩₊,
+//! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with
+//!   the penetration rate of the sheave's surface u = ż/2 − (∂w/∂t + ω ∂w/∂θ): a rotating tilted
+//!   sheave closes and opens,
+//! - friction −μ(v) p_el (v_t, v_f)/√(v² + v₀²), v² = v_t² + v_f², with μ(v) = μ (1 − f v²/(v² +
+//!   v_c²)): measured traction decreases slightly in fast sliding. p_el ≥ 0 is the elastic part of
+//!   p and f < 1, so friction always dissipates.
 //!
-//! ⟨g⟩₊ = ρ ln(1 + e^{g/ρ}) with the roughness ρ: asperities touch first, and the force decays exponentially with the
-//! clearance (Greenwood and Williamson 1966).
+//! ⟨g⟩₊ = ρ ln(1 + e^{g/ρ}) with the roughness ρ: asperities touch first, and the force decays
+//! exponentially with the clearance (Greenwood and Williamson 1966).
 //!
-//! An element at the distance δ from the middle of its pulley, towards the movable sheave, has the penetration g + δ on
-//! that sheave and g − δ on the other. Its axial velocity δ̇ enters penetration rate and sliding in the same way.
+//! An element at the distance δ from the middle of its pulley, towards the movable sheave, has the
+//! penetration g + δ on that sheave and g − δ on the other. Its axial velocity δ̇ enters
+//! penetration rate and sliding in the same way.
 //!
-//! The normal force acts along the gradient of g, derivatives of w included. Its power is −2 p cos β Dg/Dt, and its energy
-//! 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an element's path.
+//! The normal force acts along the gradient of g, derivatives of w included. Its power is −2 p cos
+//! β Dg/Dt, and its energy 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an
+//! element's path.
 
 use crate::scalar::{Real, soft_plus_energy_at};
 
@@ -44,8 +50,8 @@ pub struct Friction {
     pub ring: f64,
     /// Regularisation speed v_0, m/s. Micro-slip is 2 to 40 mm/s, so at most 1 mm/s.
     pub velocity: f64,
-    /// Regularisation speed of the ring's friction on the elements, m/s. In both end ratios the ring slides at some 0.1
-    /// m/s.
+    /// Regularisation speed of the ring's friction on the elements, m/s. In both end ratios the
+    /// ring slides at some 0.1 m/s.
     pub ring_velocity: f64,
     /// Relative decrease f of μ in fast sliding; 0 is Coulomb's law.
     pub fall: f64,
@@ -78,8 +84,8 @@ impl<T: Real> FlankMotion<T> {
         }
     }
 
-    /// The motion of a flank whose element is at the distance `offset`, m, from the middle towards it, and moves towards it
-    /// at `speed`, m/s. For the other flank both have the opposite sign.
+    /// The motion of a flank whose element is at the distance `offset`, m, from the middle towards
+    /// it, and moves towards it at `speed`, m/s. For the other flank both have the opposite sign.
     #[inline(always)]
     #[must_use]
     pub fn shifted(&self, offset: T, speed: T, sin_beta: f64) -> Self {
@@ -139,14 +145,15 @@ fn coefficient<T: Real>(friction: &Friction, square: T) -> T {
     lost * (-friction.pulley * friction.fall) + friction.pulley
 }
 
-/// Torque at which the belt slips tangentially on the whole arc, N·m: 2 μ F r/cos β, with the axial force `force` of the
-/// sheaves, N, and the pitch radius `radius`, m.
+/// Torque at which the belt slips tangentially on the whole arc, N·m: 2 μ F r/cos β, with the axial
+/// force `force` of the sheaves, N, and the pitch radius `radius`, m.
 #[must_use]
 pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: f64) -> f64 {
     2.0 * friction.pulley * force * radius / cos_beta
 }
 
-/// Elastic energy of a flank per pitch-line length, J/m, at the penetration g where ⟨g⟩₊ is `depth`, m.
+/// Elastic energy of a flank per pitch-line length, J/m, at the penetration g where ⟨g⟩₊ is
+/// `depth`, m.
 #[inline(always)]
 #[must_use]
 pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T, depth: T) -> T {

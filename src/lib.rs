@@ -1,8 +1,9 @@
-//! A pushbelt CVT variator around an Arbitrary-Lagrangian-Eulerian ring, as a library and as a co-simulation unit of
-//! FMI 2.0 and FMI 3.0.
+//! A pushbelt CVT variator around an Arbitrary-Lagrangian-Eulerian ring, as a library and as a
+//! co-simulation unit of FMI 2.0 and FMI 3.0.
 //!
-//! Inputs are pulley torques and clamping forces; outputs are thrust ratio, belt speed and what a drivetrain model needs.
-//! The mesh is fixed along the belt and the material flows through it, so a run has true steady states.
+//! Inputs are pulley torques and clamping forces; outputs are thrust ratio, belt speed and what a
+//! drivetrain model needs. The mesh is fixed along the belt and the material flows through it, so a
+//! run has true steady states.
 //!
 //! | module | content |
 //! |---|---|
@@ -29,19 +30,23 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A clone is a snapshot. There is no global state and no thread: any number of variators can run, each in one thread.
+//! A clone is a snapshot. There is no global state and no thread: any number of variators can run,
+//! each in one thread.
 //!
-//! **Build it fast.** The crate is generic, so it is compiled with your profile. Without optimisation a second of belt motion takes minutes:
-//! set `opt-level = 3` in `[profile.dev]` and `codegen-units = 1` in `[profile.release]`. Allow AVX2 in your `.cargo/config.toml`
-//! (`rustflags = ["-C", "target-feature=+avx2"]`): cells are evaluated in packs as wide as a register.
+//! **Build it fast.** The crate is generic, so it is compiled with your profile. Without
+//! optimisation a second of belt motion takes minutes: set `opt-level = 3` in `[profile.dev]` and
+//! `codegen-units = 1` in `[profile.release]`. Allow AVX2 in your `.cargo/config.toml` (`rustflags
+//! = ["-C", "target-feature=+avx2"]`): cells are evaluated in packs as wide as a register.
 //!
-//! **A ring of your own.** [`variator::Variator::with_ring`] takes any [`variator::ring_models::BeltRing`]; `examples/own_ring.rs` is one that
-//! stiffens as it stretches. Another belt system is a [`reference_curve::ReferenceCurve`]. To pack another model as an FMU use the
-//! crate `pushbelt-fmi` alone; its README has a complete one.
+//! **A ring of your own.** [`variator::Variator::with_ring`] takes any
+//! [`variator::ring_models::BeltRing`]; `examples/own_ring.rs` is one that stiffens as it
+//! stretches. Another belt system is a [`reference_curve::ReferenceCurve`]. To pack another model
+//! as an FMU use the crate `pushbelt-fmi` alone; its README has a complete one.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-// A wrong number is worse than a slow one: docs/notebook/experiments.md, "eight lanes with AVX-512".
+// A wrong number is worse than a slow one: docs/notebook/experiments.md, "eight lanes with
+// AVX-512".
 #[cfg(target_feature = "avx512f")]
 compile_error!(
     "rustc 1.95, the pinned toolchain, miscompiles loops for AVX-512: compile for a processor without it, for example \

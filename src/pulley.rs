@@ -1,5 +1,5 @@
-//! The two pulleys, values for each, and the end stops of the movable sheaves. Their equations of motion are in
-//! `variator/pulleys/`.
+//! The two pulleys, values for each, and the end stops of the movable sheaves. Their equations of
+//! motion are in `variator/pulleys/`.
 
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
 use std::ops::{Index, IndexMut};
@@ -120,8 +120,8 @@ pub struct StopForce<T> {
 }
 
 impl Travel {
-    /// Travel of a pulley between its smallest and largest pitch radius, m. `r0` is the pitch radius at ratio 1, m, and
-    /// `tan_beta` = tan β of the wedge.
+    /// Travel of a pulley between its smallest and largest pitch radius, m. `r0` is the pitch
+    /// radius at ratio 1, m, and `tan_beta` = tan β of the wedge.
     #[must_use]
     pub fn new((min_radius, max_radius): (f64, f64), r0: f64, tan_beta: f64) -> Self {
         Self {

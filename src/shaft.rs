@@ -3,13 +3,14 @@
 //! T_d = tanh(ω/ω₀) (T₀ + μ_b r_b R) + b ω, against the rotation.
 //!
 //! - T₀, N·m: seals, independent of speed; b, N·m·s/rad: oil,
-//! - R, N: the resultant of all contact forces of the belt on the pulley, which the bearings carry. The centripetal
-//!   force of the belt's own mass does not act on the pulley and is not in R,
+//! - R, N: the resultant of all contact forces of the belt on the pulley, which the bearings carry.
+//!   The centripetal force of the belt's own mass does not act on the pulley and is not in R,
 //! - μ_b, r_b, m: friction coefficient of the bearings, at their mean radius,
-//! - ω₀: regularisation speed; the drag is zero at a standstill, and sticking bearings are not modelled.
+//! - ω₀: regularisation speed; the drag is zero at a standstill, and sticking bearings are not
+//!   modelled.
 //!
-//! Friction of rolling bearings grows more slowly with speed than b ω, and with load slightly faster than μ_b R; the law is
-//! an estimate for some 100 to 6000 rpm.
+//! Friction of rolling bearings grows more slowly with speed than b ω, and with load slightly
+//! faster than μ_b R; the law is an estimate for some 100 to 6000 rpm.
 
 /// ω₀, rad/s: 20 rpm.
 pub const SPEED_SMOOTHING: f64 = 2.0;
@@ -42,7 +43,8 @@ pub struct Drag {
 }
 
 impl ShaftDrag {
-    /// The drag at the angular speed `omega`, rad/s, under contact forces whose resultant is `[x, y]`, N.
+    /// The drag at the angular speed `omega`, rad/s, under contact forces whose resultant is `[x,
+    /// y]`, N.
     #[must_use]
     pub fn loads(&self, omega: f64, [x, y]: [f64; 2]) -> Drag {
         let square = x * x + y * y;

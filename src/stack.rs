@@ -1,51 +1,63 @@
 //! Push elements as an Eulerian continuum on finite volumes that move with the mesh.
 //!
-//! The elements are on the ring: a point of the stack is at the ring's r, and the rocking edge (pitch line) is e inside
-//! it. Pitch-line length per dξ: λ = |r'| − e κ_ref, so a closed loop without stretch has the length L − 2πe for every Θ.
+//! The elements are on the ring: a point of the stack is at the ring's r, and the rocking edge
+//! (pitch line) is e inside it. Pitch-line length per dξ: λ = |r'| − e κ_ref, so a closed loop
+//! without stretch has the length L − 2πe for every Θ.
 //!
-//! Generalised velocity: V, the absolute speed of the elements along the tangent t̂ at the pitch line, linear between
-//! faces. With dots at fixed mesh point η:
+//! Generalised velocity: V, the absolute speed of the elements along the tangent t̂ at the pitch
+//! line, linear between faces. With dots at fixed mesh point η:
 //!
 //! - flow through the mesh, pitch-line length per time: J = V − t̂·ṙ + e χ̇; in ξ: c = J/λ,
-//! - velocity at the pitch line v_p = V t̂ + (n̂·ṙ) n̂, at the ring centre line v_e = V |r'|/λ t̂ + (n̂·ṙ) n̂: an
-//!   element on an arc turns about its centre. Friction between ring and elements therefore acts on the ring in full,
-//!   on V with the factor |r'|/λ, and exerts no moment on the arc.
+//! - velocity at the pitch line v_p = V t̂ + (n̂·ṙ) n̂, at the ring centre line v_e = V |r'|/λ t̂ +
+//!   (n̂·ṙ) n̂: an element on an arc turns about its centre. Friction between ring and elements
+//!   therefore acts on the ring in full, on V with the factor |r'|/λ, and exerts no moment on the
+//!   arc.
 //!
-//! J is the same on both sides of a moving arc border although κ_ref jumps there, because χ̇ (the turning of the
-//! elements with the mesh point) is continuous.
+//! J is the same on both sides of a moving arc border although κ_ref jumps there, because χ̇ (the
+//! turning of the elements with the mesh point) is continuous.
 //!
-//! Content: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell upstream ([`flux`]).
+//! Content: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell
+//! upstream ([`flux`]).
 //!
 //! **Push force**, with ε = ν − 1, D = Dν/Dt, the gap g, and φ = 1/(1 + g/δ_f):
 //!
 //! Q = k_e (⟨ε⟩₊ + d_e H D) + S(F), F = c (2⟨D⟩ + (D − ⟨D⟩) φ²) + d_s ⟨D⟩_c φ³.
 //!
-//! - Contact: ⟨ε⟩₊ = δ ln(1 + e^{ε/δ}), δ the roughness over the thickness of an element, H its derivative; it has half of its
-//!   stiffness at ε = 0, where the play is measured. g is ⟨ε⟩₊ − ε times the thickness. No force acts across a gap at rest.
-//! - Oily stack: ⟨D⟩ is D where elements approach, with the width w of [`RATE_SMOOTHING`]. Where gaps close, elements that are free
-//!   meet a congested stack. In the limit that is a jump of ν and V, as in congested flow (Bouchut et al. 2000);
-//!   lubrication is its regularisation (Lefebvre-Lepot and Maury 2011). 2c = m_e c_s h,
-//!   c_s = √(k_e/m_e) = 2.7 km/s, spreads the front over √(2c g J/(f t)), g J/t the rate at which the gap closes and f some 7 N/mm of
-//!   friction. h = 5 mm, a cell of the default mesh, is a constant of the law: other meshes have the same physics.
-//! - Squeezed oil: d_s φ³ between flat faces (Reynolds). 750 N·s are those of oil of 10 mPa·s that fills 6 µm between faces of
-//!   8 by 24 mm; zero gap stands for the distance of two rough faces in contact.
-//! - Cavitation: S(F) = F where F > 0, F/√(1 + (F/F_c)²) otherwise, and ⟨D⟩_c, of the width 2F_c/d_s, is above −F_c/d_s.
-//!   Oil between two faces has at most the suction F_c of their area under the pressure of the atmosphere, 8 × 24 mm × 1 bar =
-//!   19 N.
+//! - Contact: ⟨ε⟩₊ = δ ln(1 + e^{ε/δ}), δ the roughness over the thickness of an element, H its
+//!   derivative; it has half of its stiffness at ε = 0, where the play is measured. g is ⟨ε⟩₊ − ε
+//!   times the thickness. No force acts across a gap at rest.
+//! - Oily stack: ⟨D⟩ is D where elements approach, with the width w of [`RATE_SMOOTHING`]. Where
+//!   gaps close, elements that are free meet a congested stack. In the limit that is a jump of ν
+//!   and V, as in congested flow (Bouchut et al. 2000); lubrication is its regularisation
+//!   (Lefebvre-Lepot and Maury 2011). 2c = m_e c_s h, c_s = √(k_e/m_e) = 2.7 km/s, spreads the
+//!   front over √(2c g J/(f t)), g J/t the rate at which the gap closes and f some 7 N/mm of
+//!   friction. h = 5 mm, a cell of the default mesh, is a constant of the law: other meshes have
+//!   the same physics.
+//! - Squeezed oil: d_s φ³ between flat faces (Reynolds). 750 N·s are those of oil of 10 mPa·s that
+//!   fills 6 µm between faces of 8 by 24 mm; zero gap stands for the distance of two rough faces in
+//!   contact.
+//! - Cavitation: S(F) = F where F > 0, F/√(1 + (F/F_c)²) otherwise, and ⟨D⟩_c, of the width
+//!   2F_c/d_s, is above −F_c/d_s. Oil between two faces has at most the suction F_c of their area
+//!   under the pressure of the atmosphere, 8 × 24 mm × 1 bar = 19 N.
 //!
-//! Every part of F has the sign of D, so it dissipates, and rises with D: Newton's method fails with a law that falls, such as D times
-//! a switch. Nothing else acts between free elements: convection of V is central there, with the viscosity 2c where they approach.
+//! Every part of F has the sign of D, so it dissipates, and rises with D: Newton's method fails
+//! with a law that falls, such as D times a switch. Nothing else acts between free elements:
+//! convection of V is central there, with the viscosity 2c where they approach.
 //!
-//! Limits: the smoothing of ⟨D⟩ leaves a suction of c w = 2.7 N across every gap that opens. Oil between the elements has neither
-//! inertia nor history: a gap that opened is full again when it closes. Below some 1 rad/s of the pulleys no oil acts.
+//! Limits: the smoothing of ⟨D⟩ leaves a suction of c w = 2.7 N across every gap that opens. Oil
+//! between the elements has neither inertia nor history: a gap that opened is full again when it
+//! closes. Below some 1 rad/s of the pulleys no oil acts.
 //!
-//! The material rate is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q is conjugate to this shortening. The ring is thus
-//! loaded by Qκ̂ outward and the stack by −∂Q/∂ξ, and the power of Q is balanced.
+//! The material rate is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q is conjugate to this
+//! shortening. The ring is thus loaded by Qκ̂ outward and the stack by −∂Q/∂ξ, and the power of Q
+//! is balanced.
 //!
-//! A ring in space has two normals, n̂ and b̂. Every equation with n̂ holds for both, and their contributions add up.
+//! A ring in space has two normals, n̂ and b̂. Every equation with n̂ holds for both, and their
+//! contributions add up.
 //!
-//! Inertia: mass m_e νλ per dξ moves with v_p; a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙ + Ω(V − t̂·ṙ), where
-//! Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's path.
+//! Inertia: mass m_e νλ per dξ moves with v_p; a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙
+//! + Ω(V − t̂·ṙ), where Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's
+//! path.
 
 use crate::ring::kinematics::{RingPoint, RingVariation};
 use crate::scalar::{Real, smooth_plus, soft_plus_energy};
@@ -56,7 +68,8 @@ use nalgebra::SVector;
 pub struct PushElements {
     /// Distance e of the rocking edge (pitch line) inside the ring centre line, m.
     pub pitch_offset: f64,
-    /// End play: pitch-line length of the unstretched ring less the stacked thickness of all elements, m.
+    /// End play: pitch-line length of the unstretched ring less the stacked thickness of all
+    /// elements, m.
     pub play: f64,
     /// Mass m_e of the elements alone per pitch-line length, kg/m.
     pub mass_per_length: f64,
@@ -64,22 +77,26 @@ pub struct PushElements {
     pub push_stiffness: f64,
     /// Damping time of the stack, acting in contact only, s.
     pub damping: f64,
-    /// Roughness of the elements' faces, m: the distance over which neighbouring elements come into contact. Asperities of
-    /// the faces touch first, and the force between them decays exponentially with the gap, over a distance comparable to
-    /// the standard deviation of their heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm for ground steel.
+    /// Roughness of the elements' faces, m: the distance over which neighbouring elements come into
+    /// contact. Asperities of the faces touch first, and the force between them decays
+    /// exponentially with the gap, over a distance comparable to the standard deviation of their
+    /// heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm for ground steel.
     pub roughness: f64,
     /// Thickness of an element, m: a gap is divided by it to give a strain of the stack.
     pub element_thickness: f64,
-    /// Moment of inertia of an element about its rocking edge, kg·m²: I + m d², with I about the centre of mass, which is d
-    /// from the edge. It determines the loss by elements that start and stop turning; 0: no such loss.
+    /// Moment of inertia of an element about its rocking edge, kg·m²: I + m d², with I about the
+    /// centre of mass, which is d from the edge. It determines the loss by elements that start and
+    /// stop turning; 0: no such loss.
     pub element_inertia: f64,
     /// Gap δ_f over which the force of the oil decreases, m.
     pub film_thickness: f64,
-    /// Viscosity c of the oily stack, N·s: 2c where elements approach, at every gap; c where they separate, at zero gap.
+    /// Viscosity c of the oily stack, N·s: 2c where elements approach, at every gap; c where they
+    /// separate, at zero gap.
     pub film_damping: f64,
     /// Force d_s per rate of strain by oil that is squeezed out of a closing gap, at zero gap, N·s.
     pub squeeze_damping: f64,
-    /// Suction F_c at which oil between two faces cavitates, N: their area times the pressure of the atmosphere.
+    /// Suction F_c at which oil between two faces cavitates, N: their area times the pressure of
+    /// the atmosphere.
     pub suction: f64,
 }
 
@@ -94,8 +111,8 @@ impl PushElements {
 /// Smoothing width of the upwind switch, m/s: far below any relevant creep speed.
 pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
 
-/// Smoothing width w of the transition from separating to approaching elements, 1/s: a tenth of the rates where gaps open
-/// and close.
+/// Smoothing width w of the transition from separating to approaching elements, 1/s: a tenth of the
+/// rates where gaps open and close.
 pub const RATE_SMOOTHING: f64 = 0.3;
 
 /// Least squeeze damping in the width of cavitation, N·s, which is then without effect.
@@ -153,7 +170,8 @@ impl<T: Real> StackPoint<T> {
         self.speed * self.lead
     }
 
-    /// Velocity of an element with the component `along` along t̂, m/s: v_p with V, v_e with [`Self::ring_line_speed`].
+    /// Velocity of an element with the component `along` along t̂, m/s: v_p with V, v_e with
+    /// [`Self::ring_line_speed`].
     #[inline(always)]
     pub fn velocity<const D: usize>(&self, point: &RingPoint<T, D>, along: T) -> SVector<T, D> {
         let mut velocity = point.t * along;
@@ -240,7 +258,8 @@ impl<T: Real + Default> StackVariation<T> {
 }
 
 impl<T: Real> StackPoint<T> {
-    /// The variation of the point where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
+    /// The variation of the point where the ring varies by `by` and V by `speed`. λ varies as |r'|
+    /// does.
     #[inline(always)]
     pub fn vary<const D: usize>(
         &self,
@@ -268,7 +287,8 @@ impl<T: Real> StackPoint<T> {
         }
     }
 
-    /// Variation of [`StackPoint::acceleration`]; `speed_dot` and `gradient` are the variations of V̇ and ∂V/∂ξ.
+    /// Variation of [`StackPoint::acceleration`]; `speed_dot` and `gradient` are the variations of
+    /// V̇ and ∂V/∂ξ.
     #[inline(always)]
     pub fn vary_acceleration<const D: usize>(
         &self,
@@ -348,7 +368,8 @@ pub fn push_force<T: Real>(belt: &PushElements, [nu, rate]: [T; 2]) -> Push<T> {
     }
 }
 
-/// Elastic energy of the stack per pitch-line length at density `nu`, J/m: N ε(ν) with ε' = k_e⟨ν−1⟩₊/ν².
+/// Elastic energy of the stack per pitch-line length at density `nu`, J/m: N ε(ν) with ε' =
+/// k_e⟨ν−1⟩₊/ν².
 #[inline(always)]
 #[must_use]
 pub fn energy_density<T: Real>(belt: &PushElements, nu: T) -> T {

@@ -1,7 +1,8 @@
-//! The one-way flow between the rooms of `src/`: a room uses only rooms above it in the list of ARCHITECTURE.md.
+//! The one-way flow between the rooms of `src/`: a room uses only rooms above it in the list of
+//! ARCHITECTURE.md.
 //!
-//! The compiler checks the boundaries of crates. Inside this package a room is a folder or a file of `src/`; other rooms are imported by
-//! `crate::…`, or by `super::…`.
+//! The compiler checks the boundaries of crates. Inside this package a room is a folder or a file
+//! of `src/`; other rooms are imported by `crate::…`, or by `super::…`.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -10,7 +10,8 @@ use std::thread;
 use pushbelt::unit::VariatorUnit;
 use pushbelt_support::shared_library::{ERROR, Functions, Library, OK, WARNING, count, reference};
 
-/// Stack that `docs/interface.md` asks of hosts, kB: less than 288 is too little. The dev profile, whose need was not measured, inlines less.
+/// Stack that `docs/interface.md` asks of hosts, kB: less than 288 is too little. The dev profile,
+/// whose need was not measured, inlines less.
 const STACK: u32 = if cfg!(debug_assertions) { 1024 } else { 320 };
 
 /// What a host knows from the model description: token and value references.
@@ -26,7 +27,8 @@ struct Description {
 /// The life of an instance: start, linear model, steps, a stored state as bytes.
 fn life(f: &Functions, of: &Description, choices: [i32; 2], spatial: bool) {
     let (mut text, mut state, mut read, mut size, mut value) = (null_mut(), null_mut(), null_mut(), 0, 0.0);
-    // SAFETY: valid strings, an instance that is not used any more when it is freed, and places for the results.
+    // SAFETY: valid strings, an instance that is not used any more when it is freed, and places for
+    // the results.
     unsafe {
         let c = (f.fmi2Instantiate)(c"variator".as_ptr(), 1, of.guid.as_ptr(), null(), null(), 0, 0);
         assert_eq!(
@@ -61,7 +63,8 @@ fn life(f: &Functions, of: &Description, choices: [i32; 2], spatial: bool) {
     }
 }
 
-/// Rings, modes and planes. A stack that is too small ends the process; `PUSHBELT_STACK` is another size, kB.
+/// Rings, modes and planes. A stack that is too small ends the process; `PUSHBELT_STACK` is another
+/// size, kB.
 #[test]
 fn an_instance_fits_on_a_small_stack() {
     let library = Library::load();
@@ -87,7 +90,8 @@ fn an_instance_fits_on_a_small_stack() {
 /// Name of the test below, and of the variable that makes a process its child.
 const WITHOUT_MEMORY: &str = "a_mesh_without_memory_is_an_error";
 
-/// A child process has 100 MB more of address space than it uses: too little for the largest mesh, which takes 230 MB.
+/// A child process has 100 MB more of address space than it uses: too little for the largest mesh,
+/// which takes 230 MB.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_mesh_without_memory_is_an_error() {
@@ -123,7 +127,8 @@ fn a_mesh_without_memory_is_an_error() {
         rlim_cur: limit,
         rlim_max: limit,
     };
-    // SAFETY: a limit, an instance that is not used any more when it is freed, and as many values as references.
+    // SAFETY: a limit, an instance that is not used any more when it is freed, and as many values
+    // as references.
     unsafe {
         assert_eq!(libc::setrlimit(libc::RLIMIT_AS, &raw const limit), 0);
         let status = (f.fmi2SetInteger)(c, mesh.as_ptr(), 4, [200, 200, 200, 16].as_ptr());

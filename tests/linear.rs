@@ -55,8 +55,8 @@ fn run(inputs: &Inputs, start: &Variator, times: &[f64]) -> Vec<Vec<f64>> {
     times.iter().map(row).collect()
 }
 
-/// The steps must be small: elements change between sticking and sliding, and after a torque step of 0.2 N·m the ratio already
-/// changes by 20 % less than in the linear model.
+/// The steps must be small: elements change between sticking and sliding, and after a torque step
+/// of 0.2 N·m the ratio already changes by 20 % less than in the linear model.
 #[test]
 fn the_linear_model_follows_small_steps_of_each_load() {
     let read = OUTPUTS
@@ -128,7 +128,8 @@ fn the_gain_is_that_of_a_run() {
     }
 }
 
-/// More modes change only the fast part of the response; for `ALE0` on the default mesh, whose unknowns have many units.
+/// More modes change only the fast part of the response; for `ALE0` on the default mesh, whose
+/// unknowns have many units.
 #[test]
 fn slow_poles_do_not_depend_on_the_cut_off() {
     let ale0 = Parameters {
@@ -159,7 +160,8 @@ fn slow_poles_do_not_depend_on_the_cut_off() {
     }
 }
 
-/// An end stop takes part of the belt's axial force: the forces that hold the working point are the specified ones.
+/// An end stop takes part of the belt's axial force: the forces that hold the working point are the
+/// specified ones.
 #[test]
 fn an_end_stop_takes_part_of_the_axial_force() {
     let mut parameters = parameters();
@@ -189,9 +191,10 @@ fn errors_explain_why_there_is_no_linear_model() {
     assert!(wrong.to_string().contains("friction.pulley"), "{wrong}");
 }
 
-/// Communication steps of 1 ms damp modes above some 100 Hz. A steady state must be stable without that: none of its
-/// oscillating modes up to 20 kHz grows by more than 6 1/s, and none with ten times the ring's damping. Under constant torques and forces ratio
-/// and speed may drift away within seconds: the slowest modes don't oscillate.
+/// Communication steps of 1 ms damp modes above some 100 Hz. A steady state must be stable without
+/// that: none of its oscillating modes up to 20 kHz grows by more than 6 1/s, and none with ten
+/// times the ring's damping. Under constant torques and forces ratio and speed may drift away
+/// within seconds: the slowest modes don't oscillate.
 #[test]
 fn no_oscillating_mode_of_a_steady_state_grows() {
     for (ratio, torque) in [(2.0, 50.0), (1.0, 50.0), (1.0, -50.0), (0.5, 50.0), (0.5, 0.0)] {

@@ -1,8 +1,10 @@
-//! 1800 s of driving: torque and clamping forces as a car asks for them on a cycle like the WLTC, in steps of 10 ms.
+//! 1800 s of driving: torque and clamping forces as a car asks for them on a cycle like the WLTC,
+//! in steps of 10 ms.
 //!
-//! The speed trace is made up, of hills with the WLTC's phases, their peaks and stops. The belt shifts as long as the
-//! clamping forces are out of balance, so traces of both forces alone would drift off to a stop: a PI controller leads
-//! them by the ratio. The secondary speed is given, the car's inertia acts through the torque.
+//! The speed trace is made up, of hills with the WLTC's phases, their peaks and stops. The belt
+//! shifts as long as the clamping forces are out of balance, so traces of both forces alone would
+//! drift off to a stop: a PI controller leads them by the ratio. The secondary speed is given, the
+//! car's inertia acts through the torque.
 
 use std::hint::black_box;
 
@@ -41,8 +43,8 @@ const HILLS: [([f64; 4], f64); 15] = [
 ];
 const END: f64 = 1800.0;
 
-/// `demoCar` of resources/variators.json: mass, kg; c_d A, m²; rolling resistance; wheel radius by final drive, m;
-/// largest torque, N·m.
+/// `demoCar` of resources/variators.json: mass, kg; c_d A, m²; rolling resistance; wheel radius by
+/// final drive, m; largest torque, N·m.
 const MASS: f64 = 1300.0;
 const DRAG_AREA: f64 = 0.65;
 const ROLLING: f64 = 0.01;

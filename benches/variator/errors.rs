@@ -1,6 +1,6 @@
-//! Errors beside the times: of steady states against ten times the elements; of the manoeuvre against twice the
-//! elements and a tenth of the tolerance, because ten times the elements take a quarter of an hour there, and against
-//! ever tighter tolerances on its own mesh.
+//! Errors beside the times: of steady states against ten times the elements; of the manoeuvre
+//! against twice the elements and a tenth of the tolerance, because ten times the elements take a
+//! quarter of an hour there, and against ever tighter tolerances on its own mesh.
 
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::RingModel;
@@ -16,7 +16,8 @@ const FINER: i32 = 10;
 const FINER_IN_THE_MANOEUVRE: i32 = 2;
 const TIGHTER: f64 = 0.1;
 
-/// Largest error of the thrust ratios that were `found`; of `ALE` also with one cell in each element.
+/// Largest error of the thrust ratios that were `found`; of `ALE` also with one cell in each
+/// element.
 pub fn of_steady_states(table: &mut Table, model: RingModel, found: &[Option<f64>]) {
     let (_, (_, fine)) = nine_steady_states(variator(model), FINER);
     thrust_ratio_row(table, &format!("{model:?}"), (found, &fine));
@@ -64,8 +65,8 @@ const FORCES: [(&str, Read); 3] = [
     ("primary shaft torque", |o| o.primary.shaft_torque),
 ];
 
-/// Errors of outputs over the manoeuvre as shares of their ranges: means against a finer mesh, and of ever tighter
-/// tolerances in the root mean square and at the worst communication point.
+/// Errors of outputs over the manoeuvre as shares of their ranges: means against a finer mesh, and
+/// of ever tighter tolerances in the root mean square and at the worst communication point.
 pub fn of_manoeuvre(table: &mut Table, model: RingModel, trace: &[Inputs]) {
     let reads: Vec<(&str, Read)> = OUTPUTS.into_iter().chain(FORCES).collect();
     let with = |tolerance: f64| {

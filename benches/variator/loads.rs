@@ -1,4 +1,5 @@
-//! What loads cost that jump, ripple or are noisy, beside a smooth one: processor time of every communication step.
+//! What loads cost that jump, ripple or are noisy, beside a smooth one: processor time of every
+//! communication step.
 
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::{Parameters, RingModel};
@@ -12,7 +13,8 @@ use crate::{Table, numbers, quantiles};
 /// A step that takes longer than this is counted, s.
 const LONG: f64 = 1e-3;
 
-/// Rows of the table: each load at each ratio for `seconds`, with each ring, jumping and over the default ramp.
+/// Rows of the table: each load at each ratio for `seconds`, with each ring, jumping and over the
+/// default ramp.
 pub fn measure(table: &mut Table, letters: &str, seconds: f64) {
     for load in LOADS.into_iter().filter(|load| letters.contains(load.letter())) {
         for &ratio in load.ratios() {

@@ -1,13 +1,16 @@
 //! What the variator costs, on one core: `cargo fmu bench`.
 //!
-//! Prints one table and writes `target/bench.json` and the pictures `target/bench.svg`. Times are processor time of the
-//! thread, the least of several runs, so what else the machine does matters least; the ratios come from the same run.
-//! Counts (steps, residuals, factorizations) don't depend on the machine. Arguments after `--`:
+//! Prints one table and writes `target/bench.json` and the pictures `target/bench.svg`. Times are
+//! processor time of the thread, the least of several runs, so what else the machine does matters
+//! least; the ratios come from the same run. Counts (steps, residuals, factorizations) don't depend
+//! on the machine. Arguments after `--`:
 //!
 //! - `--quick` runs everything once,
-//! - `--errors` adds the errors against finer meshes and tighter tolerances (some minutes), with `--loads` those under loads too,
+//! - `--errors` adds the errors against finer meshes and tighter tolerances (some minutes), with
+//!   `--loads` those under loads too,
 //! - `--cycle` adds 1800 s of driving (half a minute),
-//! - `--loads` adds loads that jump, ripple or are noisy, 20 s each or as long as `--seconds` says (an hour, or minutes),
+//! - `--loads` adds loads that jump, ripple or are noisy, 20 s each or as long as `--seconds` says
+//!   (an hour, or minutes),
 //! - `--only fg` runs the loads of these letters alone,
 //! - `--real-time` adds these loads in real time, beside accurate runs with a tolerance of 1e-6,
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
@@ -303,8 +306,9 @@ fn manoeuvre_variator(parameters: Parameters) -> Variator {
     Variator::new(Manoeuvre::variator(parameters)).expect("valid parameters")
 }
 
-/// Steady states of the nine load cases on a mesh with so many times the elements: ratio held on P, primary speed
-/// given, belt torque 30, 50, 100 N·m. Time, work, and the thrust ratios that were found.
+/// Steady states of the nine load cases on a mesh with so many times the elements: ratio held on P,
+/// primary speed given, belt torque 30, 50, 100 N·m. Time, work, and the thrust ratios that were
+/// found.
 fn nine_steady_states(mut parameters: Parameters, refinement: i32) -> (f64, (Counts, Vec<Option<f64>>)) {
     parameters.mesh = parameters.mesh.refined(refinement);
     let start = ThreadTime::now();
@@ -349,9 +353,9 @@ struct Map {
     warm: usize,
 }
 
-/// Thrust-ratio map at 2000 rpm and F_S = 10 kN: i from 2.2 to 0.45, 5 to 65 % of the primary pulley's capacity. The
-/// first torque of a ratio starts from the kinematic state, each other one from its neighbour's state, or where that
-/// leads nowhere from the kinematic one.
+/// Thrust-ratio map at 2000 rpm and F_S = 10 kN: i from 2.2 to 0.45, 5 to 65 % of the primary
+/// pulley's capacity. The first torque of a ratio starts from the kinematic state, each other one
+/// from its neighbour's state, or where that leads nowhere from the kinematic one.
 fn steady_map(model: RingModel) -> Map {
     let parameters = variator(model);
     let (mut solved, mut warm, mut warm_time) = (0, 0, 0.0);

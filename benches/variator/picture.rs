@@ -14,8 +14,8 @@ const WINDOW: usize = 50;
 const NAMES: [&str; 2] = ["ALE", "ALE0"];
 const COLOURS: [RGBColor; 2] = [RGBColor(196, 78, 30), RGBColor(31, 99, 168)];
 
-/// Draws both into an SVG file: `growth` are the pieces of a step on three meshes, `costs` the times of the
-/// communication steps, s.
+/// Draws both into an SVG file: `growth` are the pieces of a step on three meshes, `costs` the
+/// times of the communication steps, s.
 ///
 /// # Errors
 /// The file can't be written.

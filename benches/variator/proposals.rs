@@ -1,5 +1,6 @@
-//! Two of the paper's proposals (its section 7), measured before they are built: what separate integration of reference
-//! and overlay would take, and how many modes an overlay by proper orthogonal decomposition needs.
+//! Two of the paper's proposals (its section 7), measured before they are built: what separate
+//! integration of reference and overlay would take, and how many modes an overlay by proper
+//! orthogonal decomposition needs.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use pushbelt::solver::arrow::Arrow;
@@ -27,9 +28,10 @@ pub fn measure(table: &mut Table, trace: &[Inputs]) {
 /// Steps at which it is looked at, s.
 const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 
-/// Contraction per sweep of an iteration that solves a stage for one part of the unknowns after the other (block
-/// Gauss-Seidel), in the steady state medium, 50 N·m: the spectral radius of J₁₁⁻¹ J₁₂ J₂₂⁻¹ J₂₁. Above 1 the iteration
-/// diverges, and integration of one part with the other's last values is unstable.
+/// Contraction per sweep of an iteration that solves a stage for one part of the unknowns after the
+/// other (block Gauss-Seidel), in the steady state medium, 50 N·m: the spectral radius of J₁₁⁻¹ J₁₂
+/// J₂₂⁻¹ J₂₁. Above 1 the iteration diverges, and integration of one part with the other's last
+/// values is unstable.
 fn separated(table: &mut Table) {
     let parameters = variator(RingModel::Ale);
     let [_, medium, _] = LoadCase::three(&parameters, 50.0);
@@ -65,7 +67,8 @@ fn separated(table: &mut Table) {
     }
 }
 
-/// Indices of the overlay's unknowns, with the order of the derivative: 0 for a deflection, 1 for a slope.
+/// Indices of the overlay's unknowns, with the order of the derivative: 0 for a deflection, 1 for a
+/// slope.
 fn overlay(layout: &Layout) -> impl Iterator<Item = (usize, usize)> {
     (0..layout.elements).flat_map(move |node| [0, 1, 2, 3].map(|k| (layout.node(node, k), k % 2)))
 }
@@ -95,9 +98,9 @@ const MODES: [usize; 6] = [8, 16, 32, 64, 96, 128];
 /// Communication steps between snapshots; tests lie in the middle between two.
 const EVERY: usize = 10;
 
-/// Modes of the overlay from every tenth communication point of the manoeuvre, and what is lost where states in between
-/// are put on them: the largest change of ring tension, as a share of the mean tension, in the median state and in the
-/// worst one of ten.
+/// Modes of the overlay from every tenth communication point of the manoeuvre, and what is lost
+/// where states in between are put on them: the largest change of ring tension, as a share of the
+/// mean tension, in the median state and in the worst one of ten.
 fn modes(table: &mut Table, trace: &[Inputs]) {
     let parameters = Manoeuvre::variator(variator(RingModel::Ale));
     let mut variator = Variator::new(parameters).expect("valid parameters");

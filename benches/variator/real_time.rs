@@ -1,4 +1,5 @@
-//! Real time beside accurate runs: work and processor time of a millisecond, how far outputs are off, and how late they are.
+//! Real time beside accurate runs: work and processor time of a millisecond, how far outputs are
+//! off, and how late they are.
 
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::{Mode, Parameters};

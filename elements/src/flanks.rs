@@ -2,8 +2,8 @@
 //!
 //! An element has the length h of its thickness on each of its two flanks, at its rocking edge:
 //! penetration g = z/2 − (ϱ − r_0) tan β − w, opening by tilt w = ϱ (ψ_x cos θ + ψ_y sin θ),
-//! penetration rate ġ, sliding v_t = v·e_t − ω ϱ and v_f = v·e_r cos β + (ż/2 − ẇ − ω ∂w/∂θ) sin β, as
-//! there; N and friction f from that law times h. In polar directions
+//! penetration rate ġ, sliding v_t = v·e_t − ω ϱ and v_f = v·e_r cos β + (ż/2 − ẇ − ω ∂w/∂θ) sin β,
+//! as there; N and friction f from that law times h. In polar directions
 //!
 //! F_r = 2 [N cos β (tan β + ∂w/∂ϱ) + f_f cos β], F_t = 2 [N cos β ∂w/∂θ/ϱ + f_t];
 //!

@@ -8,7 +8,8 @@
 //! - C: oil of viscosity η between parallel faces a × b, a < b, of which the share f is filled
 //!   (Reynolds' equation with the pressure of the surroundings at all four edges, within 1 % for
 //!   a ≤ b/2): C = f η a³ b (1 − 0.63 a/b). The floor h_0 is that of rough faces in contact,
-//! - S(F) = F where the gap closes, F/√(1 + (F/F_c)²) where it opens: the oil cavitates at the suction F_c.
+//! - S(F) = F where the gap closes, F/√(1 + (F/F_c)²) where it opens: the oil cavitates at the
+//!   suction F_c.
 //!
 //! The law is linear in the speeds at the end of a step: Q = K (⟨−g⟩ − (Δt + d_e) H ġ) − c' ġ, with
 //! c' = S/ġ at the speed of the step before.

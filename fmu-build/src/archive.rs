@@ -1,7 +1,8 @@
 //! The zip archive of an FMU.
 //!
-//! Two builds of the same content give the same bytes: entries are sorted and have one fixed time and fixed
-//! permissions. For importers that read the archive as a stream there are deflate, forward slashes and no data descriptors.
+//! Two builds of the same content give the same bytes: entries are sorted and have one fixed time
+//! and fixed permissions. For importers that read the archive as a stream there are deflate,
+//! forward slashes and no data descriptors.
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};

@@ -4,8 +4,8 @@ use anyhow::Context;
 use object::endian::Endianness;
 use object::read::elf::{ElfFile64, FileHeader as _, SectionTable};
 
-/// The newest glibc version among the symbols that a Linux library needs; none if it is not a Linux library or needs no
-/// glibc at all.
+/// The newest glibc version among the symbols that a Linux library needs; none if it is not a Linux
+/// library or needs no glibc at all.
 ///
 /// # Errors
 /// The symbol table can't be read.
@@ -30,7 +30,8 @@ pub fn newest_glibc(library: &[u8]) -> anyhow::Result<Option<(u32, u32)>> {
     Ok(newest)
 }
 
-/// Sets the time stamp in the header of a Windows library to zero, so that the same code gives the same bytes.
+/// Sets the time stamp in the header of a Windows library to zero, so that the same code gives the
+/// same bytes.
 pub fn clear_time_stamp(library: &mut [u8]) {
     if !library.starts_with(b"MZ") {
         return;

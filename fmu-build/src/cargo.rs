@@ -27,8 +27,8 @@ pub fn command_of(workspace: &Workspace, program: impl AsRef<OsStr>) -> Command 
     command
 }
 
-/// Removes the variables that `cargo run` sets for the tool itself from a program's environment: build scripts of other
-/// packages depend on them, and cargo would compile these again.
+/// Removes the variables that `cargo run` sets for the tool itself from a program's environment:
+/// build scripts of other packages depend on them, and cargo would compile these again.
 pub fn clear_own(command: &mut Command) {
     for (name, _) in std::env::vars_os() {
         let text = name.to_string_lossy();
@@ -78,7 +78,8 @@ pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     )
 }
 
-/// Compiles the model's shared library with a command that replaces `cargo build`, and returns its path.
+/// Compiles the model's shared library with a command that replaces `cargo build`, and returns its
+/// path.
 ///
 /// # Errors
 /// The compilation fails.
@@ -90,8 +91,8 @@ pub fn build_library_with(command: &mut Command) -> anyhow::Result<PathBuf> {
     )
 }
 
-/// Compiles the shared library of the paper's belts, optimised for this machine, and returns its path and its model
-/// description.
+/// Compiles the shared library of the paper's belts, optimised for this machine, and returns its
+/// path and its model description.
 ///
 /// # Errors
 /// The compilation or the program that prints the description fails.
@@ -100,8 +101,8 @@ pub fn build_paper(workspace: &Workspace) -> anyhow::Result<(PathBuf, String)> {
     Ok((library, printed(&mut Command::new(program))?))
 }
 
-/// Compiles the shared library of the variator from maps, optimised for this machine, and returns its path and its model description
-/// of a version, with the tables of the published variator.
+/// Compiles the shared library of the variator from maps, optimised for this machine, and returns
+/// its path and its model description of a version, with the tables of the published variator.
 ///
 /// # Errors
 /// As [`build_paper`].
@@ -124,7 +125,8 @@ fn build_other(workspace: &Workspace, package: &str) -> anyhow::Result<(PathBuf,
     Ok((library, program))
 }
 
-/// Compiles the shared library of a package and returns its path. What else is built goes to `others`.
+/// Compiles the shared library of a package and returns its path. What else is built goes to
+/// `others`.
 fn compile_library(
     build: &mut Command,
     package: &str,
@@ -171,8 +173,9 @@ pub fn build_program(workspace: &Workspace, [package, kind, name]: Program) -> a
     executable.with_context(|| format!("cargo built no program `{name}`"))
 }
 
-/// The build command of everything that is optimised for this machine. Library, examples and benchmarks share one compiled
-/// library, because development dependencies enable no feature of its dependencies; a test below checks this.
+/// The build command of everything that is optimised for this machine. Library, examples and
+/// benchmarks share one compiled library, because development dependencies enable no feature of its
+/// dependencies; a test below checks this.
 fn release(workspace: &Workspace, package: &str) -> Command {
     let mut build = command(workspace);
     build.args(["build", "--release", "--package", package]);
@@ -221,7 +224,8 @@ impl Artifact {
     }
 }
 
-/// Runs a build command to its end and passes every artifact to `built`, also those that need no compilation.
+/// Runs a build command to its end and passes every artifact to `built`, also those that need no
+/// compilation.
 fn compile(build: &mut Command, mut built: impl FnMut(Artifact)) -> anyhow::Result<()> {
     let mut child = build
         .arg("--message-format=json-render-diagnostics")

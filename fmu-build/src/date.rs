@@ -1,4 +1,5 @@
-//! The date of the packed files. It is that of the content, not of the build: two builds of one commit give the same bytes.
+//! The date of the packed files. It is that of the content, not of the build: two builds of one
+//! commit give the same bytes.
 
 use std::process::Command;
 use std::time::{Duration, UNIX_EPOCH};
@@ -7,8 +8,8 @@ use anyhow::Context;
 
 use crate::workspace::Workspace;
 
-/// Date and time in UTC: that of the environment variable `SOURCE_DATE_EPOCH` (seconds since 1970) or of the last commit;
-/// none outside a repository.
+/// Date and time in UTC: that of the environment variable `SOURCE_DATE_EPOCH` (seconds since 1970)
+/// or of the last commit; none outside a repository.
 ///
 /// # Errors
 /// The variable is set, but not to a number of seconds before the year 10000.

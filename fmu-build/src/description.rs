@@ -24,7 +24,8 @@ pub struct Description {
     pub variables: Vec<Variable>,
 }
 
-/// The same text with the attribute `generationDateAndTime`, which does not affect the GUID (the instantiation token of FMI 3.0).
+/// The same text with the attribute `generationDateAndTime`, which does not affect the GUID (the
+/// instantiation token of FMI 3.0).
 ///
 /// # Errors
 /// The text is not XML, or its root has neither.

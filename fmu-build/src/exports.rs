@@ -30,7 +30,8 @@ pub fn check(library: &[u8]) -> anyhow::Result<()> {
     check_against(&names(), library)
 }
 
-/// The same for the names that the crate `pushbelt-fmi` exports for every unit: those of the standard, and that of a variant.
+/// The same for the names that the crate `pushbelt-fmi` exports for every unit: those of the
+/// standard, and that of a variant.
 ///
 /// # Errors
 /// As [`check`].
@@ -60,7 +61,8 @@ fn check_against(listed: &BTreeSet<&str>, library: &[u8]) -> anyhow::Result<()> 
         } else {
             name
         };
-        // The linker that replaces Apple's keeps its own names and those of Rust's standard library.
+        // The linker that replaces Apple's keeps its own names and those of Rust's standard
+        // library.
         if !mac || ["fmi", "pushbelt"].iter().any(|ours| name.starts_with(ours)) {
             found.insert(name);
         }
@@ -86,7 +88,8 @@ fn compare(listed: &BTreeSet<&str>, found: &BTreeSet<&str>) -> anyhow::Result<()
     Ok(())
 }
 
-/// A file with the list for a linker. A different list is a different file, so that cargo links again.
+/// A file with the list for a linker. A different list is a different file, so that cargo links
+/// again.
 ///
 /// # Errors
 /// The file can't be written.

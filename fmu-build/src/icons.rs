@@ -53,8 +53,9 @@ mod tests {
 
     use flate2::read::ZlibDecoder;
 
-    /// Width, height, and the share of bytes that are not 0 in the rows of a PNG with four channels of eight bits. In an empty picture all
-    /// are 0, in a uniform one almost all, whatever the filter of a row (section 9.2 of the standard).
+    /// Width, height, and the share of bytes that are not 0 in the rows of a PNG with four channels
+    /// of eight bits. In an empty picture all are 0, in a uniform one almost all, whatever the
+    /// filter of a row (section 9.2 of the standard).
     fn painted(png: &[u8]) -> (usize, usize, f64) {
         let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap()) as usize;
         assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));

@@ -10,8 +10,9 @@ use serde_json::Value;
 
 use crate::workspace::MODEL_PACKAGE;
 
-/// The third-party crates linked into the binary, each with version, licence, source and its licence texts; a text that
-/// several crates share is listed once. `metadata` is the output of `cargo metadata`.
+/// The third-party crates linked into the binary, each with version, licence, source and its
+/// licence texts; a text that several crates share is listed once. `metadata` is the output of
+/// `cargo metadata`.
 ///
 /// # Errors
 /// The dependency graph is incomplete or a licence file can't be read.
@@ -62,7 +63,8 @@ fn is_own(package: &Value) -> bool {
     package["source"].is_null()
 }
 
-/// Packages that are linked into the model, without the model itself. Procedural macros and build scripts run at compile time only.
+/// Packages that are linked into the model, without the model itself. Procedural macros and build
+/// scripts run at compile time only.
 fn linked(metadata: &Value) -> anyhow::Result<Vec<&Value>> {
     let packages: HashMap<&str, &Value> = items(metadata, "packages")
         .filter_map(|package| Some((text(package, "id")?, package)))

@@ -60,18 +60,22 @@ The first command of a new clone compiles and installs for two minutes more.";
 
 #[derive(Subcommand)]
 enum Command {
-    /// Compile the binary and pack target/PushbeltVariator.fmu, or with --fmi3 target/PushbeltVariator3.fmu
+    /// Compile the binary and pack target/PushbeltVariator.fmu, or with --fmi3
+    /// target/PushbeltVariator3.fmu
     Build(commands::build::Options),
     /// Run the first tier of the Rust and Python tests, or with --all every test
     Test(commands::test::Arguments),
-    /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU inside
+    /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU
+    /// inside
     Wheel(commands::wheel::Arguments),
-    /// Write what is generated: from the variable table the model descriptions, terminalsAndIcons.xml, docs/variables.md and the version
-    /// of the Python package; from the Python package docs/commands.md and docs/python-interface.md
+    /// Write what is generated: from the variable table the model descriptions,
+    /// terminalsAndIcons.xml, docs/variables.md and the version of the Python package; from the
+    /// Python package docs/commands.md and docs/python-interface.md
     Describe,
     /// Write the documentation as a book, target/book/index.html, and check its links
     Docs,
-    /// Run the belt element by element, the model that judges the FMU's, and write target/elements/CASE.csv
+    /// Run the belt element by element, the model that judges the FMU's, and write
+    /// target/elements/CASE.csv
     Elements(commands::elements::Arguments),
 }
 
@@ -149,7 +153,8 @@ mod tests {
         assert!(command_line().try_get_matches_from(["fmu", "compare"]).is_err());
     }
 
-    /// Options of the programs are checked beside their parsers, in `tests/python/test_docs_commands.py`.
+    /// Options of the programs are checked beside their parsers, in
+    /// `tests/python/test_docs_commands.py`.
     #[test]
     fn command_lines_of_the_book_are_those_of_this_tool() {
         let root = Workspace::find().unwrap().root().to_owned();

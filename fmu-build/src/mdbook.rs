@@ -1,4 +1,5 @@
-//! mdBook, which builds the book of `docs/`: one version from crates.io, installed below the target directory.
+//! mdBook, which builds the book of `docs/`: one version from crates.io, installed below the target
+//! directory.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -58,8 +59,8 @@ impl MdBook {
     }
 }
 
-/// Compiles mdBook without optimisation, which suffices to build the book in two seconds. It has a separate build folder, which
-/// is removed afterwards.
+/// Compiles mdBook without optimisation, which suffices to build the book in two seconds. It has a
+/// separate build folder, which is removed afterwards.
 fn install(workspace: &Workspace, folder: &Path) -> anyhow::Result<()> {
     let build = folder.join("build");
     let mut install = cargo::command(workspace);

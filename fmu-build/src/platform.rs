@@ -14,7 +14,8 @@ pub enum Version {
 /// A platform that a binary is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Platform {
-    /// Folder below `binaries/` in FMI 2.0. From 2.0.4 on it is that of FMI 3.0 for platforms without an older name.
+    /// Folder below `binaries/` in FMI 2.0. From 2.0.4 on it is that of FMI 3.0 for platforms
+    /// without an older name.
     folder: &'static str,
     /// Folder below `binaries/` in FMI 3.0: processor and system.
     pub tuple: &'static str,

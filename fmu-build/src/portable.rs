@@ -1,12 +1,14 @@
-//! Binaries for other machines than this one: Linux with an old glibc and Windows, both on x86-64; for FMI 3.0 also Linux on ARM and
-//! macOS.
+//! Binaries for other machines than this one: Linux with an old glibc and Windows, both on x86-64;
+//! for FMI 3.0 also Linux on ARM and macOS.
 //!
-//! Zig contains the linker and the C library for each (PyPI package `ziglang`, started by `cargo-zigbuild`). rustup installs
-//! Rust's standard library.
+//! Zig contains the linker and the C library for each (PyPI package `ziglang`, started by
+//! `cargo-zigbuild`). rustup installs Rust's standard library.
 //!
-//! Linux and Windows on x86-64 get two libraries: one for all processors, and the variant for AVX2 that it opens where it can. Cargo
-//! compiles the dependencies once for both. For the variant it compiles again what [`WITH_AVX2`](crate::wrapper::WITH_AVX2) lists and what depends on it, with
-//! this tool between cargo and the compiler ([`crate::wrapper`]), because flags in the environment would compile everything again.
+//! Linux and Windows on x86-64 get two libraries: one for all processors, and the variant for AVX2
+//! that it opens where it can. Cargo compiles the dependencies once for both. For the variant it
+//! compiles again what [`WITH_AVX2`](crate::wrapper::WITH_AVX2) lists and what depends on it, with
+//! this tool between cargo and the compiler ([`crate::wrapper`]), because flags in the environment
+//! would compile everything again.
 
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -44,7 +46,8 @@ struct Target {
     has_variant: bool,
 }
 
-/// All targets. FMI 2.0 gets the first [`OF_FMI2`]: importers of it look for few others, and each costs minutes.
+/// All targets. FMI 2.0 gets the first [`OF_FMI2`]: importers of it look for few others, and each
+/// costs minutes.
 const TARGETS: [Target; 5] = [
     Target {
         platform: Platform::LINUX64,
@@ -82,12 +85,12 @@ const OF_FMI2: usize = 2;
 /// Suffix of the variant's name.
 const VARIANT: &str = "-avx2";
 
-/// A setting without effect on the first of [`WITH_AVX2`](crate::wrapper::WITH_AVX2), which is one small unit in any case. By it cargo keeps the compiled crates of
-/// the variant apart.
+/// A setting without effect on the first of [`WITH_AVX2`](crate::wrapper::WITH_AVX2), which is one
+/// small unit in any case. By it cargo keeps the compiled crates of the variant apart.
 const APART: &str = "profile.release.package.safe_arch.codegen-units=2";
 
-/// Compiles the libraries for every target whose standard library can be installed, and prints the others. Libraries of the same
-/// sources are not compiled again.
+/// Compiles the libraries for every target whose standard library can be installed, and prints the
+/// others. Libraries of the same sources are not compiled again.
 ///
 /// # Errors
 /// The tools can't be installed, a compilation fails, or a library doesn't meet its requirements.
@@ -101,7 +104,8 @@ pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<Bina
         Version::Three => &TARGETS[..],
     }
     .split_at(1);
-    // The model is one unit of compilation, so a target takes one core. Cargo locks its folder, so the second one has a folder of its own.
+    // The model is one unit of compilation, so a target takes one core. Cargo locks its folder, so
+    // the second one has a folder of its own.
     let compile = |targets, cargo| {
         let place = Place {
             libraries: &folder.join(&build),
@@ -171,8 +175,8 @@ fn libraries(
     Ok(binaries)
 }
 
-/// Compiles a library, or a variant, and returns its path in cargo's `folder`, where the next one replaces it. `variant` is the hash of
-/// the library's variant.
+/// Compiles a library, or a variant, and returns its path in cargo's `folder`, where the next one
+/// replaces it. `variant` is the hash of the library's variant.
 fn compile(
     workspace: &Workspace,
     tools: &Environment,
@@ -192,8 +196,9 @@ fn compile(
             fs::remove_file(&path).with_context(|| format!("can't remove {}", path.display()))?;
         }
     }
-    // Elsewhere than on Linux, linkers keep unused functions of Rust's standard library. Then the Windows library would import
-    // `bcryptprimitives.dll`, which older compatibility layers lack. Optimised as a whole, the library has no unused functions.
+    // Elsewhere than on Linux, linkers keep unused functions of Rust's standard library. Then the
+    // Windows library would import `bcryptprimitives.dll`, which older compatibility layers lack.
+    // Optimised as a whole, the library has no unused functions.
     let is_linux = target.platform.extension == "so";
     let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
     command
@@ -314,8 +319,9 @@ fn ensure_installed(triple: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compiler flags: those of the environment instead of the workspace's own (which require AVX2), and the removal of this
-/// machine's paths from messages, so that the bytes don't depend on the location of the sources.
+/// Compiler flags: those of the environment instead of the workspace's own (which require AVX2),
+/// and the removal of this machine's paths from messages, so that the bytes don't depend on the
+/// location of the sources.
 fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
     let given = std::env::var("RUSTFLAGS").unwrap_or_default();
     let mut flags: Vec<String> = given.split_whitespace().map(str::to_owned).collect();
@@ -330,7 +336,8 @@ fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
         workspace.root().display()
     ));
     if target.platform == Platform::WIN64 {
-        // `cargo-zigbuild` drops the compiler's list of exports for the linker. Without a list, everything is exported.
+        // `cargo-zigbuild` drops the compiler's list of exports for the linker. Without a list,
+        // everything is exported.
         flags.push(format!(
             "-Clink-arg={}",
             exports::definition(workspace)?.display()

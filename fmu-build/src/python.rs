@@ -15,7 +15,8 @@ use crate::workspace::{MODEL_IDENTIFIER, Workspace};
 /// Oldest Python that the tests and the demo run on.
 const OLDEST: (u32, u32) = (3, 10);
 
-/// A lock file in the source tree, and the folder below the target directory where its packages are installed.
+/// A lock file in the source tree, and the folder below the target directory where its packages are
+/// installed.
 pub struct Packages {
     lock: &'static str,
     /// A lock file for the same folder that has these packages, and others.
@@ -60,8 +61,8 @@ const SOURCES: [&str; 5] = [
     "benches",
 ];
 
-/// A copy of the lock file in the environment lists its installed packages. It is written last, so that an interrupted
-/// installation has none.
+/// A copy of the lock file in the environment lists its installed packages. It is written last, so
+/// that an interrupted installation has none.
 const STAMP: &str = "installed-requirements.txt";
 
 /// A virtual environment below the target directory.
@@ -100,7 +101,8 @@ impl Environment {
             "Installing Python packages in target/{}",
             packages.folder
         ));
-        // What the demo has installed stays. Otherwise the environment has packages that the lock file no longer names.
+        // What the demo has installed stays. Otherwise the environment has packages that the lock
+        // file no longer names.
         if packages.lock == RUNNING.lock && installed == Some(read(DEMO.lock)?) {
             fs::remove_file(&stamp).with_context(|| format!("can't remove {}", stamp.display()))?;
         } else {
@@ -128,8 +130,9 @@ impl Environment {
             .with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX))
     }
 
-    /// A Python command in this environment, at the top level of the workspace. It can import the packages of `SOURCES` and finds the
-    /// FMU by the variable `PUSHBELT_FMU`. Bytecode is kept below the target directory.
+    /// A Python command in this environment, at the top level of the workspace. It can import the
+    /// packages of `SOURCES` and finds the FMU by the variable `PUSHBELT_FMU`. Bytecode is kept
+    /// below the target directory.
     pub fn command(&self) -> Command {
         let sources = SOURCES.map(|folder| self.root.join(folder).into_os_string());
         let separator = OsStr::new(if cfg!(windows) { ";" } else { ":" });
@@ -168,7 +171,8 @@ fn create(python: &OsString, folder: &Path) -> anyhow::Result<()> {
 fn install(interpreter: &Path, lock_file: &Path) -> anyhow::Result<()> {
     let pip = Command::new(interpreter)
         .args(["-m", "pip", "install", "--disable-pip-version-check"])
-        // The lock file names every required package; missing dependencies are left out deliberately.
+        // The lock file names every required package; missing dependencies are left out
+        // deliberately.
         .args(["--no-deps", "--no-input", "--retries", "5"])
         // Most modules are never imported, so they are compiled when they are.
         .args(["--no-compile", "--requirement"])
@@ -185,7 +189,8 @@ fn shown_if_failed(output: std::io::Result<Output>, error: impl Fn() -> String) 
     Ok(())
 }
 
-/// The first interpreter that is new enough; the one in the environment variable `PYTHON` comes first.
+/// The first interpreter that is new enough; the one in the environment variable `PYTHON` comes
+/// first.
 fn find_interpreter() -> anyhow::Result<OsString> {
     let mut seen = Vec::new();
     let names = [

@@ -95,8 +95,8 @@ impl Workspace {
         self.root.join("fmu-build").join("exports.def")
     }
 
-    /// Waits until no other run of this tool writes `what` in the target directory. Other runs wait until the file is
-    /// dropped.
+    /// Waits until no other run of this tool writes `what` in the target directory. Other runs wait
+    /// until the file is dropped.
     ///
     /// # Errors
     /// The lock file can't be written.
@@ -125,8 +125,9 @@ impl Workspace {
         metadata(&["--no-deps"])
     }
 
-    /// Packages with their dependencies, resolved by the lock file, as `cargo metadata` prints them: for every machine if they are
-    /// `portable`, or for this one alone. For every machine cargo downloads more than it needs to compile for this one.
+    /// Packages with their dependencies, resolved by the lock file, as `cargo metadata` prints
+    /// them: for every machine if they are `portable`, or for this one alone. For every machine
+    /// cargo downloads more than it needs to compile for this one.
     ///
     /// # Errors
     /// Cargo can't resolve the dependencies.

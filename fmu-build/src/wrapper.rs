@@ -1,17 +1,20 @@
-//! This tool as a wrapper of the compiler, which cargo starts while it builds the variants of the portable libraries.
+//! This tool as a wrapper of the compiler, which cargo starts while it builds the variants of the
+//! portable libraries.
 
 use std::ffi::OsString;
 use std::process::{Command, ExitCode};
 
-/// Crates that are compiled for AVX2 in the variant: the types of the lanes, and the code that uses them. Each of them depends on the
-/// first one.
+/// Crates that are compiled for AVX2 in the variant: the types of the lanes, and the code that uses
+/// them. Each of them depends on the first one.
 pub const WITH_AVX2: [&str; 4] = ["safe_arch", "wide", "pushbelt_solver", "pushbelt"];
 const AVX2: &str = "-Ctarget-feature=+avx2";
 
-/// Set for the compiler of the variant: this tool adds the flags, and then starts what the variable contains, or the compiler.
+/// Set for the compiler of the variant: this tool adds the flags, and then starts what the variable
+/// contains, or the compiler.
 pub const AS_COMPILER: &str = "PUSHBELT_COMPILER_OF_VARIANT";
 
-/// Starts the compiler with the flags of the variant if cargo has started this tool in its place, and returns how it ended.
+/// Starts the compiler with the flags of the variant if cargo has started this tool in its place,
+/// and returns how it ended.
 pub fn act() -> Option<ExitCode> {
     let wrapper = std::env::var_os(AS_COMPILER)?;
     let mut words = std::env::args_os().skip(1);
@@ -40,7 +43,8 @@ pub fn act() -> Option<ExitCode> {
     })
 }
 
-/// Whether arguments of the compiler are those of a crate of the variant. Crates for this machine have no `--target`.
+/// Whether arguments of the compiler are those of a crate of the variant. Crates for this machine
+/// have no `--target`.
 fn gets_avx2(words: &[OsString]) -> bool {
     let name = words.iter().skip_while(|word| *word != "--crate-name").nth(1);
     let listed = name

@@ -1,4 +1,5 @@
-//! Monotone piecewise cubic interpolation (Fritsch and Butland, 1984): between two points the curve stays between their values.
+//! Monotone piecewise cubic interpolation (Fritsch and Butland, 1984): between two points the curve
+//! stays between their values.
 
 /// The tangent at an end by three points, limited so that the curve stays monotone.
 fn end_tangent(step: [f64; 2], rise: [f64; 2]) -> f64 {
@@ -40,8 +41,8 @@ fn curve(x: &[f64], y: &[f64]) -> impl Fn(f64) -> f64 {
     }
 }
 
-/// Values at other places of an axis. The values of a place on it are `width` numbers, each with a curve of its own, and places of further
-/// axes before it follow one another.
+/// Values at other places of an axis. The values of a place on it are `width` numbers, each with a
+/// curve of its own, and places of further axes before it follow one another.
 pub fn resampled(x: &[f64], values: &[f64], width: usize, at: impl Iterator<Item = f64>) -> Vec<f64> {
     let at: Vec<f64> = at.collect();
     let mut found = vec![0.0; values.len() / x.len() * at.len()];

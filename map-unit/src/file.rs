@@ -19,7 +19,8 @@ const FORMAT: &str = "pushbelt map unit";
 const VERSION: u64 = 1;
 /// Largest size of the file, bytes.
 const LARGEST_FILE: u64 = 1 << 24;
-/// Largest number of values of the refined tables: 128 MB, 29 times those of the variator that is part of the FMU.
+/// Largest number of values of the refined tables: 128 MB, 29 times those of the variator that is
+/// part of the FMU.
 const MOST_VALUES: f64 = (1_u32 << 24) as f64;
 /// Least distance of neighbours on an axis, as a fraction of its largest place.
 const LEAST_STEP: f64 = 1e-6;
@@ -37,7 +38,8 @@ pub const THRUST_RATIO: Range = [1e-3, 100.0];
 pub const UTILISATION: Range = [-10.0, 10.0];
 
 impl Tables {
-    /// Reads the tables from the folder of the resources, or says in a sentence why they can't be used.
+    /// Reads the tables from the folder of the resources, or says in a sentence why they can't be
+    /// used.
     pub fn read(resources: &Path) -> Result<Self, String> {
         let path = resources.join(FILE);
         let bytes = resources::content(&path, LARGEST_FILE);
@@ -126,7 +128,8 @@ impl File<'_> {
         Ok(values)
     }
 
-    /// The values against and along the direction of running, whose signs are those of the direction.
+    /// The values against and along the direction of running, whose signs are those of the
+    /// direction.
     fn capacities(&self, name: &str, least: f64, most: f64) -> Result<[Vec<f64>; 2], String> {
         let values = self.numbers(name, 2, [-most, most])?;
         let of = |at: usize| values.iter().skip(at).step_by(2).copied().collect::<Vec<_>>();
@@ -139,7 +142,8 @@ impl File<'_> {
         Ok([of(0), of(1)])
     }
 
-    /// Tables with so many rows for each force, speed and ratio, refined along the rows and along the ratio.
+    /// Tables with so many rows for each force, speed and ratio, refined along the rows and along
+    /// the ratio.
     fn refined<const N: usize>(
         &self,
         rows: usize,

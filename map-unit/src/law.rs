@@ -1,19 +1,24 @@
 //! Torques, losses and shift rate of a state.
 //!
-//! The state is ω_P, ω_S and ℓ = ln i, with i = r_S/r_P of the pitch radii. The sliding speed v = r_P ω_P − r_S ω_S gives the slip
-//! s = v/q with q = √((r_P ω_P)² + v_0²), and the table of the traction the utilisation u(s). The torque of the primary shaft on the belt
-//! is T_P = u 2μ r_P F_S/cosβ, positive where it drives. Beyond the slip s_c at capacity u_c
+//! The state is ω_P, ω_S and ℓ = ln i, with i = r_S/r_P of the pitch radii. The sliding speed v =
+//! r_P ω_P − r_S ω_S gives the slip s = v/q with q = √((r_P ω_P)² + v_0²), and the table of the
+//! traction the utilisation u(s). The torque of the primary shaft on the belt is T_P = u 2μ r_P
+//! F_S/cosβ, positive where it drives. Beyond the slip s_c at capacity u_c
 //!
 //! u = u_c (1 − fall (1 − e^(−(|v| − |s_c| q)/v_f))),
 //!
-//! and the belt slips through. The torque of the belt on the secondary shaft is T_S = i (T_P − tanh(ω_P/ω_0) T_l), with ω_0 of the
+//! and the belt slips through. The torque of the belt on the secondary shaft is T_S = i (T_P −
+//! tanh(ω_P/ω_0) T_l), with ω_0 of the
 //! [drag](pushbelt::shaft), so the belt loses T_P ω_P − T_S ω_S = s T_P ω_P + (1 − s) tanh(ω_P/ω_0) T_l ω_P at running speed. A growing
-//! primary force closes the primary pulley, so ℓ' = −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument.
+//! primary force closes the primary pulley, so ℓ' = −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign
+//! of its argument.
 //!
-//! F_P and F_S are those of clamps and [cylinders](pushbelt::cylinder). Seals act on the shift alone, in the quotient of the forces.
+//! F_P and F_S are those of clamps and [cylinders](pushbelt::cylinder). Seals act on the shift
+//! alone, in the quotient of the forces.
 //!
-//! Reverse running is the mirror image: ω, v and T change their signs, and the tables are those at the slip −s. With b = r_P ω_P/q,
-//! which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
+//! Reverse running is the mirror image: ω, v and T change their signs, and the tables are those at
+//! the slip −s. With b = r_P ω_P/q, which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2
+//! U(−s); other quantities are means with these weights.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -56,7 +61,8 @@ pub struct Point {
     pub ways: PerPulley<f64>,
     /// Forces of clamps and cylinders that close the pulleys, without their seals, N.
     pub clamping: PerPulley<f64>,
-    /// Secondary force: of clamp and cylinder, or with a held sheave what the primary force requires, without seals, N.
+    /// Secondary force: of clamp and cylinder, or with a held sheave what the primary force
+    /// requires, without seals, N.
     pub force: f64,
     /// Torque of full slip, at utilisation 1, N·m.
     pub full_slip: f64,
@@ -64,7 +70,8 @@ pub struct Point {
     pub speed: f64,
     /// Share of forward running: 1, or 0 for reverse running, and between them near standstill.
     ahead: f64,
-    /// Utilisations and slips at capacity: of each, where the secondary and where the primary pulley drives.
+    /// Utilisations and slips at capacity: of each, where the secondary and where the primary
+    /// pulley drives.
     limits: [f64; 4],
     /// Utilisation u and ∂u/∂v, s/m.
     pub traction: [f64; 2],
@@ -108,7 +115,8 @@ impl Point {
         [self.limits[driving], self.limits[2 + driving].abs() * self.speed]
     }
 
-    /// Signs of the directions of running with their shares. Reverse running is forward running at −v.
+    /// Signs of the directions of running with their shares. Reverse running is forward running at
+    /// −v.
     #[inline(always)]
     fn directions(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let both = [(1.0, self.ahead), (-1.0, 1.0 - self.ahead)];
@@ -137,8 +145,8 @@ impl Law {
     pub fn new(settings: &Settings) -> Result<Self, String> {
         let parameters = settings.parameters.in_force();
         let (least, most) = parameters.ratio_range();
-        // The end stops limit the ratio of the ring's centre line. The pitch line runs at a distance inside it, and is a curve around two
-        // pulleys too.
+        // The end stops limit the ratio of the ring's centre line. The pitch line runs at a
+        // distance inside it, and is a curve around two pulleys too.
         let (true, [Some(low), Some(high)]) =
             (least < most, [least, most].map(|at| parameters.pitch_radii(at)))
         else {
@@ -259,7 +267,8 @@ impl Law {
         PerPulley::from_fn(|j| self.parameters.pulley(j).drag.loads(point.speeds[j], load))
     }
 
-    /// ℓ' in a state, 1/s, and its slope over the utilisation by way of the thrust ratio; 0 with a held sheave.
+    /// ℓ' in a state, 1/s, and its slope over the utilisation by way of the thrust ratio; 0 with a
+    /// held sheave.
     pub fn shift(&self, point: &Point) -> (f64, f64) {
         if self.parameters.holds_a_sheave() {
             return (0.0, 0.0);
@@ -284,7 +293,8 @@ impl Law {
                 self.parameters.seal_friction(j, rate * point.ways[j])
             }))
         };
-        // The friction falls with the rate that it causes: one root, between no motion and that without friction.
+        // The friction falls with the rate that it causes: one root, between no motion and that
+        // without friction.
         let rate = bisected([free.0.min(0.0), free.0.max(0.0)], |rate| under(rate).0 > rate);
         let near = 1e-2 * self.parameters.friction.velocity / point.ways.secondary.abs();
         let falls = (under(rate + near).0 - under(rate - near).0) / (2.0 * near);

@@ -1,5 +1,5 @@
-//! A pushbelt variator from maps: `PushbeltMap.fmu`, level 0. Its tables come from the detailed model, with which it shares
-//! variables, inputs and the laws of pulleys.
+//! A pushbelt variator from maps: `PushbeltMap.fmu`, level 0. Its tables come from the detailed
+//! model, with which it shares variables, inputs and the laws of pulleys.
 //!
 //! | module | content |
 //! |---|---|

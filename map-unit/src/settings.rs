@@ -1,4 +1,5 @@
-//! What a master sets and reads: the variables of the detailed unit that maps have values for, and `map.outside`.
+//! What a master sets and reads: the variables of the detailed unit that maps have values for, and
+//! `map.outside`.
 
 use std::sync::Arc;
 
@@ -9,7 +10,8 @@ use pushbelt_fmi::table::{Access, Causality, Kind, Table, Variable};
 
 use crate::tables::Tables;
 
-/// Parameters and inputs of the detailed unit, and the tables from the resources; none in the settings of the model description.
+/// Parameters and inputs of the detailed unit, and the tables from the resources; none in the
+/// settings of the model description.
 pub type Settings = pushbelt::unit::Settings<Option<Arc<Tables>>>;
 
 /// Outputs and locals.
@@ -36,7 +38,8 @@ const WHOLE: &str = "thrustRatio belt.speed ratio.speed ratio.geometric slip eff
 const NOT_OF_PULLEY: &str =
     "position tilt idleArc sheaveMass sheaveDamping tiltStiffness tiltClearance tiltTime";
 
-/// Description of a variable, of a pulley without its name, where that of the detailed unit does not hold; `{}` stands for the pulley.
+/// Description of a variable, of a pulley without its name, where that of the detailed unit does
+/// not hold; `{}` stands for the pulley.
 #[rustfmt::skip]
 fn text(name: &str) -> Option<&'static str> {
     Some(match name {
@@ -57,7 +60,8 @@ fn text(name: &str) -> Option<&'static str> {
     })
 }
 
-/// The table of variables: rows of the detailed unit, with their names, references, units, ranges and start values.
+/// The table of variables: rows of the detailed unit, with their names, references, units, ranges
+/// and start values.
 pub fn table() -> Table<Settings, Readings> {
     let has = |names: &str, name: &str| names.split(' ').any(|one| one == name);
     let of_maps = |mut variable: Variable<_, _>| {

@@ -1,8 +1,9 @@
 //! One implicit stage: y = base + k f(y).
 //!
-//! For given ratio, drag and belt loss both speeds are linear in the torque T_P, so the sliding speed is v = v_0 − m T_P(v) with m ≥ 0.
-//! This equation in one unknown has a bracket, and is solved by Newton's method with bisection as a fallback. Ratio,
-//! drag and belt loss follow in an outer iteration.
+//! For given ratio, drag and belt loss both speeds are linear in the torque T_P, so the sliding
+//! speed is v = v_0 − m T_P(v) with m ≥ 0. This equation in one unknown has a bracket, and is
+//! solved by Newton's method with bisection as a fallback. Ratio, drag and belt loss follow in an
+//! outer iteration.
 
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::variator::settings::{Drive, Inputs, SPEED_LAG};
@@ -12,7 +13,8 @@ use crate::law::{Law, Point, State};
 use crate::tuning::{ITERATIONS, LEAST_FRACTION, TOLERANCE};
 
 impl Law {
-    /// The solution of a stage under the inputs at its time, from a guess; none if the iteration does not converge.
+    /// The solution of a stage under the inputs at its time, from a guess; none if the iteration
+    /// does not converge.
     pub fn stage(&self, inputs: &Inputs, base: &State, k: f64, guess: &State) -> Option<State> {
         let mut state = *guess;
         let mut before = f64::INFINITY;
@@ -40,8 +42,8 @@ impl Law {
         let point = self.point(state, inputs);
         let [utilisation, _] = point.traction;
         let drags = self.drags(&point);
-        // Speeds without T_P and their slopes over it: J (ω − base) = k (T + own + lever T_P − drag), with the drag linear about the present
-        // speed; or the lag behind the set point.
+        // Speeds without T_P and their slopes over it: J (ω − base) = k (T + own + lever T_P −
+        // drag), with the drag linear about the present speed; or the lag behind the set point.
         let lines = PerPulley::from_fn(|j| {
             let (pulley, inputs, drag) = (self.parameters.pulley(j), inputs.pulley(j), drags[j]);
             if pulley.drive == Drive::Speed {
@@ -62,7 +64,8 @@ impl Law {
         });
         // v_0 and −m for each N·m.
         let [free, per_torque] = [0, 1].map(|n| point.sliding_at(lines.map(|line| line[n])));
-        // The ratio changes with the torque too, by way of the thrust ratio: to first order it is part of the equation.
+        // The ratio changes with the torque too, by way of the thrust ratio: to first order it is
+        // part of the equation.
         let (rate, slope) = self.shift(&point);
         let around = point.radius * point.ratio * state.speeds.secondary;
         let [least, most] = self.stops;

@@ -26,7 +26,8 @@ impl MapUnit {
         let ([without_torque, ..], _) = self.law.tables.belt.interpolate(&self.present().place, 0, 0.0);
         self.state.thrust_ratio = without_torque;
         let mut settled = self.solve_equilibrium();
-        // The force on a held secondary sheave follows from the thrust ratio, which depends on the slip.
+        // The force on a held secondary sheave follows from the thrust ratio, which depends on the
+        // slip.
         if self.law.parameters.secondary.axial == Axial::Held {
             for _ in 0..ITERATIONS {
                 let found = self.present().thrust_ratio;
@@ -65,8 +66,9 @@ impl MapUnit {
         self.solve_equilibrium()
     }
 
-    /// Sets the speed of the shaft that is not given at the present ratio: that of the steady slip, of the set point, or without slip. An
-    /// error is the reason why it is without slip though it should not be.
+    /// Sets the speed of the shaft that is not given at the present ratio: that of the steady slip,
+    /// of the set point, or without slip. An error is the reason why it is without slip though it
+    /// should not be.
     fn solve_equilibrium(&mut self) -> Result<(), String> {
         let of = &self.law.parameters;
         let [primary_led, secondary_led] =
@@ -85,7 +87,8 @@ impl MapUnit {
             return Ok(());
         }
         let (without, point) = (self.state.speeds, self.present());
-        // Utilisation of the belt at a slip less that at which this slip would be steady, and whether the belt slips through.
+        // Utilisation of the belt at a slip less that at which this slip would be steady, and
+        // whether the belt slips through.
         let mut excess = |slip: f64| {
             // s = v/q; where the secondary speed is given, q is that of running speed.
             let speeds = &mut self.state.speeds;

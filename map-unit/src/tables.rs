@@ -1,9 +1,11 @@
-//! The tables of a variator, evaluated linearly on even spacings. [`crate::file`] reads and refines them.
+//! The tables of a variator, evaluated linearly on even spacings. [`crate::file`] reads and refines
+//! them.
 //!
-//! A table has the axes force, speed, ratio and one more. It is linear in the force and in the square of the speed, with which the belt's
-//! centrifugal force and the loss by turning elements grow. Along the ratio, over ln i, and along the
-//! last axis it is the monotone cubic through the given values, in pieces so short that they are straight. Beyond the axes the
-//! value at the border holds.
+//! A table has the axes force, speed, ratio and one more. It is linear in the force and in the
+//! square of the speed, with which the belt's centrifugal force and the loss by turning elements
+//! grow. Along the ratio, over ln i, and along the last axis it is the monotone cubic through the
+//! given values, in pieces so short that they are straight. Beyond the axes the value at the border
+//! holds.
 
 use pushbelt::variator::settings::Parameters;
 
@@ -42,16 +44,18 @@ impl UniformAxis {
     }
 }
 
-/// Where a state is among the lines of the tables: eight lines with their weights, and whether it is beyond an axis.
+/// Where a state is among the lines of the tables: eight lines with their weights, and whether it
+/// is beyond an axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct GridPosition {
     lines: [(usize, f64); 8],
-    /// Whether force, speed or ratio are beyond the tables. Below the lowest force and speed they are not: torque falls with
-    /// the force, and tables hardly change with a low speed.
+    /// Whether force, speed or ratio are beyond the tables. Below the lowest force and speed they
+    /// are not: torque falls with the force, and tables hardly change with a low speed.
     pub outside: bool,
 }
 
-/// Refined tables with the same axes. The values of a place are together, so that one look-up reads them all.
+/// Refined tables with the same axes. The values of a place are together, so that one look-up reads
+/// them all.
 #[derive(Clone, Debug)]
 pub struct Table<const N: usize> {
     /// The last axis, and the number of rows along it of each line.
@@ -99,7 +103,8 @@ pub struct Tables {
     /// Shift rates over the excess, with a row for each of the utilisations.
     pub shift_rates: Table<1>,
     pub shift_utilisations: Vec<f64>,
-    /// Utilisations and slips at capacity, of each where the secondary and where the primary pulley drives; without another axis.
+    /// Utilisations and slips at capacity, of each where the secondary and where the primary pulley
+    /// drives; without another axis.
     pub limits: Table<4>,
 }
 
@@ -138,7 +143,8 @@ impl Tables {
     }
 }
 
-/// Index of the interval of a place on an ascending axis, and the fraction of it below the place; within the axis.
+/// Index of the interval of a place on an ascending axis, and the fraction of it below the place;
+/// within the axis.
 pub fn interval(axis: &[f64], at: f64) -> (usize, f64) {
     if axis.len() == 1 {
         return (0, 0.0);

@@ -1,6 +1,7 @@
 //! The unit of the FMU: steps, outputs, stored states.
 //!
-//! Steps are those of an L-stable method of second order (SDIRK2, γ = 1 − 1/√2), at most 10 ms long. Inputs are linear over each step.
+//! Steps are those of an L-stable method of second order (SDIRK2, γ = 1 − 1/√2), at most 10 ms
+//! long. Inputs are linear over each step.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -28,7 +29,8 @@ pub struct MapUnit {
     time: f64,
     /// Inputs at the present time.
     pub(crate) inputs: Inputs,
-    /// Whether it has been logged that the state is beyond the tables, that a pressure opens a pulley, and that one acts on no area.
+    /// Whether it has been logged that the state is beyond the tables, that a pressure opens a
+    /// pulley, and that one acts on no area.
     outside: bool,
     opened: bool,
     idle: PerPulley<bool>,
@@ -41,7 +43,8 @@ impl MapUnit {
         self.law.point(&self.state, &self.inputs)
     }
 
-    /// One step over a time, s, with inputs that vary linearly to `to`. Nothing has changed if there is no solution.
+    /// One step over a time, s, with inputs that vary linearly to `to`. Nothing has changed if
+    /// there is no solution.
     fn step(&mut self, duration: f64, to: &Inputs) -> Option<()> {
         let (start, k) = (self.state, GAMMA * duration);
         let change = to.after(-1.0, &self.inputs);
@@ -95,8 +98,8 @@ impl MapUnit {
         Ok(())
     }
 
-    /// Sets the readings, and logs once each that a pressure acts on no area, that one opens its pulley and that the state is beyond the
-    /// tables.
+    /// Sets the readings, and logs once each that a pressure acts on no area, that one opens its
+    /// pulley and that the state is beyond the tables.
     fn observe(&mut self, remarks: &mut Vec<Message>) {
         let (point, of) = (self.present(), &self.law.parameters);
         let opens = of.opening_pressure(&self.inputs, point.clamping, self.time);

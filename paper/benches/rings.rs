@@ -1,6 +1,8 @@
-//! Computing time of the paper's rings compared with those of the FMU, on one core: `cargo bench --package pushbelt-paper`.
+//! Computing time of the paper's rings compared with those of the FMU, on one core: `cargo bench
+//! --package pushbelt-paper`.
 //!
-//! Prints one table in about two minutes. Times are processor time of the thread, the least or the median of several runs.
+//! Prints one table in about two minutes. Times are processor time of the thread, the least or the
+//! median of several runs.
 
 use std::sync::Arc;
 

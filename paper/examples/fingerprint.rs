@@ -1,6 +1,7 @@
 //! A hash of every output bit of the manoeuvre, for each of the paper's belts.
 //!
-//! `cargo run --release --package pushbelt-paper --example fingerprint`; see the example of the same name of `pushbelt`.
+//! `cargo run --release --package pushbelt-paper --example fingerprint`; see the example of the
+//! same name of `pushbelt`.
 
 use std::error::Error;
 use std::sync::Arc;

@@ -1,12 +1,14 @@
-//! The free ring of the paper's 5.3, as a benchmark for beam codes: a steel band without supports, 0.70 m around, 0.185
-//! mm × 9.5 mm, E = 2.1e11 N/m², ρ = 7800 kg/m³, stress-free when straight.
+//! The free ring of the paper's 5.3, as a benchmark for beam codes: a steel band without supports,
+//! 0.70 m around, 0.185 mm × 9.5 mm, E = 2.1e11 N/m², ρ = 7800 kg/m³, stress-free when straight.
 //!
-//! `cargo run --release --package pushbelt-paper --example free_ring -- --model rcm --shape two-arc`
+//! `cargo run --release --package pushbelt-paper --example free_ring -- --model rcm --shape
+//! two-arc`
 //!
-//! - `--shape circle`: a small oscillation about the circle in its first bending mode. A thin ring has
-//!   f₂ = (1/2π) √(36/5) √(EI/(m R⁴)) = 9.534 Hz.
-//! - `--shape two-arc`: from rest on a belt's shape around two pulleys (Θ = 0.4, axes 0.155 m apart); an independent
-//!   nonlinear code, Exudyn, has 9.26 Hz with 40 elements and 9.22 Hz with 80.
+//! - `--shape circle`: a small oscillation about the circle in its first bending mode. A thin ring
+//!   has f₂ = (1/2π) √(36/5) √(EI/(m R⁴)) = 9.534 Hz.
+//! - `--shape two-arc`: from rest on a belt's shape around two pulleys (Θ = 0.4, axes 0.155 m
+//!   apart); an independent nonlinear code, Exudyn, has 9.26 Hz with 40 elements and 9.22 Hz with
+//!   80.
 //!
 //! The frequency is that of the zero crossings of the ovality ∮(x − x̄)² − (y − ȳ)² dξ.
 
@@ -110,7 +112,8 @@ fn start<M: RingFormulation>(system: &mut RingSystem<M>, shape: Shape) -> Result
                 let point = curve.at(&frame, xi);
                 [point.r - shift, point.t]
             });
-            // Cubic elements across an arc's border are stretched. This relaxes before the bending starts.
+            // Cubic elements across an arc's border are stretched. This relaxes before the bending
+            // starts.
             system
                 .settle(&mut state, 1.0e-5, 20)
                 .map_err(|stalled| format!("{stalled:?}"))?;

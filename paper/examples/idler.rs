@@ -1,9 +1,11 @@
-//! Another belt system with the same ring code: a steel belt around two pulleys and an idler that presses on its back.
+//! Another belt system with the same ring code: a steel belt around two pulleys and an idler that
+//! presses on its back.
 //!
 //! `cargo run --release --package pushbelt-paper --example idler`
 //!
-//! Prints the geometry, the shape error of a running belt for each ring model (a string is in equilibrium on any closed
-//! curve at EAγ = m ṡ²(1 + γ)), and the oscillation of a tensioner arm, Θ, due to the bending energy of a belt.
+//! Prints the geometry, the shape error of a running belt for each ring model (a string is in
+//! equilibrium on any closed curve at EAγ = m ṡ²(1 + γ)), and the oscillation of a tensioner arm,
+//! Θ, due to the bending energy of a belt.
 
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve};

@@ -16,7 +16,8 @@ use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// `ALE0` or `ALE` on elements spaced evenly at fixed ξ, as in the paper. Arc borders move through them.
+/// `ALE0` or `ALE` on elements spaced evenly at fixed ξ, as in the paper. Arc borders move through
+/// them.
 #[derive(Clone, Copy, Debug)]
 pub struct EvenMesh<R>(pub R);
 
@@ -115,7 +116,8 @@ impl<R: OtherEquations> BeltRing for EvenMesh<R> {
     }
 }
 
-/// `ALE` with the deflection in D components along the directions of the reference curve, A_i = [t, n, b]_ref in (10).
+/// `ALE` with the deflection in D components along the directions of the reference curve, A_i = [t,
+/// n, b]_ref in (10).
 #[derive(Clone, Copy, Debug)]
 pub struct Rotated<const D: usize = 2>;
 
@@ -161,16 +163,18 @@ impl TravellingElement for AncfElement {
 
 /// A ring of elements `E` whose nodes travel with the material.
 ///
-/// The ring is supported at the stations of the cells and sags between them, as far as its elements can follow. With more
-/// elements, or a coarser mesh than the default, it oscillates as the stations pass.
+/// The ring is supported at the stations of the cells and sags between them, as far as its elements
+/// can follow. With more elements, or a coarser mesh than the default, it oscillates as the
+/// stations pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Travels<E> {
     elements: usize,
     element: PhantomData<fn() -> E>,
 }
 
-/// Largest drift of a travelling ring in a step, in element lengths. With twice this value, Newton's method needs twice
-/// as many Jacobians. The thrust ratio changes by 3e-4 at four times this value, by 1e-4 at half of it.
+/// Largest drift of a travelling ring in a step, in element lengths. With twice this value,
+/// Newton's method needs twice as many Jacobians. The thrust ratio changes by 3e-4 at four times
+/// this value, by 1e-4 at half of it.
 const PASSING: f64 = 1.0 / 180.0;
 
 /// Smallest number of elements: an element must turn by less than 1 rad on the smallest arc.
@@ -231,15 +235,16 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
     fn mesh(&self, sizes: &Mesh) -> BeltMesh {
         let cells = CellDivision {
             per_element: sizes.cells_per_element as usize,
-            // A ring with elements of its own sags between the stations, by q d⁴/(384 EI): 2 µm at the largest distance
-            // of two stations per cell.
+            // A ring with elements of its own sags between the stations, by q d⁴/(384 EI): 2 µm at
+            // the largest distance of two stations per cell.
             points: 3,
         };
         BeltMesh::new(sizes, cells, true)
     }
 
-    /// The nodes have no fixed neighbours among the cells. V and N of each cell come first, then the nodes, then unknowns that
-    /// only fill the blocks. The equations reorder them for the matrix.
+    /// The nodes have no fixed neighbours among the cells. V and N of each cell come first, then
+    /// the nodes, then unknowns that only fill the blocks. The equations reorder them for the
+    /// matrix.
     fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
         let cells = mesh.cells.len();
         let mut layout = Layout {
@@ -260,7 +265,8 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
         Box::new(TravellingCells::new(belt, Self::ring(belt)))
     }
 
-    /// Steps are short, so the error of the sliding velocity is more restrictive than that of the distance in a step.
+    /// Steps are short, so the error of the sliding velocity is more restrictive than that of the
+    /// distance in a step.
     fn speed_error(&self, of_place: f64, of_sliding: f64) -> f64 {
         of_place.min(10.0 * of_sliding)
     }
@@ -277,7 +283,8 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
     }
 }
 
-/// A ring on the aligned or on the even mesh, with the FMU's derivatives or those by forward differentiation.
+/// A ring on the aligned or on the even mesh, with the FMU's derivatives or those by forward
+/// differentiation.
 pub(crate) fn variant<R: OtherEquations + 'static>(
     ring: R,
     aligned: bool,

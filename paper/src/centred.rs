@@ -1,4 +1,5 @@
-//! `ALE0` as the paper has it (5.1, 5.4): arcs about the axes of the pulleys. Of the curve's coordinates Θ alone is left.
+//! `ALE0` as the paper has it (5.1, 5.4): arcs about the axes of the pulleys. Of the curve's
+//! coordinates Θ alone is left.
 
 use pushbelt::archive::Archive;
 use pushbelt::scalar::Lanes;

@@ -1,4 +1,5 @@
-//! Ring models that the paper compares with the deflecting ring of the FMU. They are not part of that FMU.
+//! Ring models that the paper compares with the deflecting ring of the FMU. They are not part of
+//! that FMU.
 //!
 //! | module | content |
 //! |---|---|
@@ -8,7 +9,8 @@
 //! | [`belts`] | the other seven belts of the paper's comparison, as rings of a variator |
 //! | [`mod@unit`] | `PushbeltPaper.fmu`: the variables of the FMU and those that select a belt |
 //!
-//! Numbers in parentheses are those of Grundl, Schindler, Ulbrich, Rixen, *ALE beam using reference dynamics* (2019).
+//! Numbers in parentheses are those of Grundl, Schindler, Ulbrich, Rixen, *ALE beam using reference
+//! dynamics* (2019).
 #![warn(missing_docs)]
 
 pub mod belts;

@@ -18,8 +18,8 @@ pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {
 }
 
 impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
-    /// The ring between two nodes. `curve` returns angle and curvature of the reference curve at a fraction of the segment;
-    /// `ends` are the fractions at the ends of the element.
+    /// The ring between two nodes. `curve` returns angle and curvature of the reference curve at a
+    /// fraction of the segment; `ends` are the fractions at the ends of the element.
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,
@@ -97,7 +97,8 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
     }
 }
 
-/// The ring deflects in D components along the directions of the reference curve, A_i = [t, n, b]_ref in (10).
+/// The ring deflects in D components along the directions of the reference curve, A_i = [t, n,
+/// b]_ref in (10).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RotatingRing<const D: usize>;
 

@@ -1,4 +1,5 @@
-//! `PushbeltPaper.fmu`: the variator with the belts of the paper's comparison, and the variables that select one.
+//! `PushbeltPaper.fmu`: the variator with the belts of the paper's comparison, and the variables
+//! that select one.
 
 use crate::belts::{Rotated, Travels, variant};
 use crate::centred::Centred;

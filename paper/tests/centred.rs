@@ -1,4 +1,5 @@
-//! `ALE0` with arcs about the axes, as in the paper: its two statements on overdrive and on spiral running.
+//! `ALE0` with arcs about the axes, as in the paper: its two statements on overdrive and on spiral
+//! running.
 
 use std::sync::Arc;
 
@@ -27,8 +28,9 @@ fn jacobian_matches_differences() {
     );
 }
 
-/// Thrust ratio and spiral running in medium and overdrive, with the default sheaves and with rigid ones. The elements stay on circles
-/// about the axes. In underdrive their primary pulley slips through at 30 and 50 N·m.
+/// Thrust ratio and spiral running in medium and overdrive, with the default sheaves and with rigid
+/// ones. The elements stay on circles about the axes. In underdrive their primary pulley slips
+/// through at 30 and 50 N·m.
 #[test]
 fn thrust_ratio_and_spiral_running() {
     for rigid in [false, true] {
@@ -69,8 +71,8 @@ fn thrust_ratio_and_spiral_running() {
     }
 }
 
-/// The balances of energy and elements under a primary force that is raised by a fifth. The ratio hardly moves: without spiral running,
-/// all elements slide radially at once.
+/// The balances of energy and elements under a primary force that is raised by a fifth. The ratio
+/// hardly moves: without spiral running, all elements slide radially at once.
 #[test]
 fn balances_under_a_step_of_force() {
     let mut parameters = variator(RingModel::Ale0);

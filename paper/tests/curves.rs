@@ -1,4 +1,5 @@
-//! Derivatives of the curve about displaced centres, on a mesh that does not follow its arcs, against differences.
+//! Derivatives of the curve about displaced centres, on a mesh that does not follow its arcs,
+//! against differences.
 
 use pushbelt_paper::reference_curve::{MeshCurve, TwoPulley, Unaligned};
 use pushbelt_support::curves::{assert_derivatives, assert_path, curve, moving_frame, path};

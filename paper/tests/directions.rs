@@ -1,5 +1,5 @@
-//! The overlay in directions that rotate with the reference curve, A_i = [t, n, b]_ref in (10): the same belt in other
-//! coordinates.
+//! The overlay in directions that rotate with the reference curve, A_i = [t, n, b]_ref in (10): the
+//! same belt in other coordinates.
 
 use std::sync::Arc;
 
@@ -39,8 +39,8 @@ fn forward_differentiation_has_the_same_steady_states() {
     }
 }
 
-/// The two choices interpolate differently between nodes. Their difference is that of the discretisation, and smaller
-/// on a finer mesh.
+/// The two choices interpolate differently between nodes. Their difference is that of the
+/// discretisation, and smaller on a finer mesh.
 #[test]
 fn both_choices_have_the_same_steady_states() {
     let parameters = variator(RingModel::Ale);
@@ -95,7 +95,8 @@ fn misaligned_pulleys_load_both_choices_equally() {
     }
 }
 
-/// In a shift the directions rotate. The balances of energy and elements hold as in fixed directions.
+/// In a shift the directions rotate. The balances of energy and elements hold as in fixed
+/// directions.
 #[test]
 fn energy_balance_of_a_shift() {
     let [fixed, turned] = plane().map(|ring| {

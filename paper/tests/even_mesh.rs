@@ -1,4 +1,5 @@
-//! Elements evenly spaced along the belt, as in the paper: the same laws hold; errors and cost of moving arc borders.
+//! Elements evenly spaced along the belt, as in the paper: the same laws hold; errors and cost of
+//! moving arc borders.
 
 use std::sync::Arc;
 
@@ -33,8 +34,9 @@ struct Bounds {
     power: f64,
 }
 
-/// Underdrive, medium, overdrive. Measured: thrust ratio +1.3, −0.4, −2.8 %, range of the tension times 1.54, 1.22, 1.72,
-/// power 3e-4, 2e-5, 3e-4. In medium both arcs have the same length, so the tension varies least.
+/// Underdrive, medium, overdrive. Measured: thrust ratio +1.3, −0.4, −2.8 %, range of the tension
+/// times 1.54, 1.22, 1.72, power 3e-4, 2e-5, 3e-4. In medium both arcs have the same length, so the
+/// tension varies least.
 const BOUNDS: [Bounds; 3] = [
     Bounds {
         thrust: 0.03,
@@ -53,10 +55,11 @@ const BOUNDS: [Bounds; 3] = [
     },
 ];
 
-/// Steady states: thrust ratios differ from those of the aligned mesh, with three times the elements by less than 2 %: the
-/// edge of the contact is 1.6 mm wide. The ring tension varies more where a border lies within an element. The residual of
-/// the energy balance is larger: r'' and λ jump at a border, Gauss's rule assumes that they are smooth across a cell, and
-/// so inflow and outflow along ξ differ. (Figures: docs/paper.md.)
+/// Steady states: thrust ratios differ from those of the aligned mesh, with three times the
+/// elements by less than 2 %: the edge of the contact is 1.6 mm wide. The ring tension varies more
+/// where a border lies within an element. The residual of the energy balance is larger: r'' and λ
+/// jump at a border, Gauss's rule assumes that they are smooth across a cell, and so inflow and
+/// outflow along ξ differ. (Figures: docs/paper.md.)
 #[test]
 fn steady_states_are_near_those_of_the_aligned_mesh() {
     let parameters = variator(RingModel::Ale);
@@ -91,8 +94,8 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
     }
 }
 
-/// In a shift arc borders pass quadrature points. Each time the reference curvature jumps there: the stack is squeezed,
-/// steps are rejected, and the energy balance has a residual.
+/// In a shift arc borders pass quadrature points. Each time the reference curvature jumps there:
+/// the stack is squeezed, steps are rejected, and the energy balance has a residual.
 #[test]
 fn errors_and_cost_of_a_shift_with_moving_borders() {
     let [aligned, even, fine] = [(ale(), 1), (even_ale(), 1), (even_ale(), 3)].map(|(ring, refinement)| {
@@ -116,8 +119,8 @@ fn errors_and_cost_of_a_shift_with_moving_borders() {
         assert!((o.primary.speed / SPEED - 1.0).abs() < 1e-2);
         (shift, residual, run.variator.counts())
     });
-    // Its thrust ratio differs, so the same excess of force shifts it differently: by 3 %, with three times the
-    // elements by 6 %.
+    // Its thrust ratio differs, so the same excess of force shifts it differently: by 3 %, with
+    // three times the elements by 6 %.
     assert_close(even.0, aligned.0, 0.07, "shift");
     assert_close(fine.0, aligned.0, 0.07, "shift with three times the elements");
     // Measured: 18 and 79 times the factorizations, 260 and 290 times the energy.

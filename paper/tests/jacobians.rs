@@ -54,8 +54,8 @@ fn updated_tangents_on_an_even_mesh_yield_the_current_jacobian() {
     }
 }
 
-/// The nodes of a travelling ring are interchangeable: the residual is the same with node numbers and s shifted by one
-/// element.
+/// The nodes of a travelling ring are interchangeable: the residual is the same with node numbers
+/// and s shifted by one element.
 #[test]
 fn the_residual_is_invariant_to_the_choice_of_the_first_node() {
     for ring in travelling() {

@@ -1,5 +1,5 @@
-//! Travelling rings in the variator: start from the steady state of ALE, results close to it, energy balance, and
-//! continuation from a stored state bit for bit.
+//! Travelling rings in the variator: start from the steady state of ALE, results close to it,
+//! energy balance, and continuation from a stored state bit for bit.
 
 use std::sync::Arc;
 
@@ -14,7 +14,8 @@ use pushbelt_support::load_cases::{LoadCase, ratio};
 use pushbelt_support::run::Run;
 use pushbelt_support::variators::{SPEED, inputs, variator};
 
-/// The paper's test rig (5.4): the primary sheave held, its speed given, torque and force on the secondary pulley.
+/// The paper's test rig (5.4): the primary sheave held, its speed given, torque and force on the
+/// secondary pulley.
 fn rig(ring: Arc<dyn BeltRing>, theta: f64, torque: f64) -> Run {
     let mut parameters = variator(RingModel::Ale);
     parameters.primary.drive = Drive::Speed;
@@ -45,8 +46,9 @@ fn means(run: &mut Run, settle: f64, span: f64) -> [f64; 3] {
     sums.map(|sum| sum / count)
 }
 
-/// In under-, medium and overdrive, over two passes of an element: the thrust ratio is that of ALE within the error of the
-/// elements' shape, and so is the tension of the co-rotational ring; the balances of energy and elements hold.
+/// In under-, medium and overdrive, over two passes of an element: the thrust ratio is that of ALE
+/// within the error of the elements' shape, and so is the tension of the co-rotational ring; the
+/// balances of energy and elements hold.
 #[test]
 fn three_ratios_near_ale() {
     for theta in [-0.4, 0.0, 0.4] {
@@ -74,15 +76,15 @@ fn three_ratios_near_ale() {
     }
 }
 
-/// The tension of the co-rotational ring is uniform along an element, and close to ALE's mean: +0.4, −1.1, −2.9 %. ANCF's
-/// membrane locks where the curvature jumps inside an element, so its tension varies by more than its mean (the paper's
-/// 5.4: it reacts very stiff): +5, −3, −13 %.
+/// The tension of the co-rotational ring is uniform along an element, and close to ALE's mean:
+/// +0.4, −1.1, −2.9 %. ANCF's membrane locks where the curvature jumps inside an element, so its
+/// tension varies by more than its mean (the paper's 5.4: it reacts very stiff): +5, −3, −13 %.
 const RCM_THRUST: f64 = 0.05;
 const ANCF_THRUST: f64 = 0.15;
 
-/// Start from standstill on the clamped ring of `ALE`; torques act at once. The initial stretch of the elements relaxes in
-/// microseconds. The oil between the push elements dissipates part of it so fast that the energy balance requires shorter
-/// steps.
+/// Start from standstill on the clamped ring of `ALE`; torques act at once. The initial stretch of
+/// the elements relaxes in microseconds. The oil between the push elements dissipates part of it so
+/// fast that the energy balance requires shorter steps.
 #[test]
 fn a_run_may_start_at_a_standstill() {
     for ring in travelling() {
@@ -104,8 +106,8 @@ fn stored(variator: &mut Variator) -> Vec<u8> {
     archive.into_bytes()
 }
 
-/// A run continues from a stored state bit for bit, although the order of the unknowns in stored factors is that of an
-/// earlier drift.
+/// A run continues from a stored state bit for bit, although the order of the unknowns in stored
+/// factors is that of an earlier drift.
 #[test]
 fn runs_continue_from_stored_states_bit_for_bit() {
     for ring in travelling() {

@@ -1,21 +1,24 @@
-//! The curve around two pulleys with arcs about displaced centres, and its derivatives along a path of its coordinates.
+//! The curve around two pulleys with arcs about displaced centres, and its derivatives along a path
+//! of its coordinates.
 //!
-//! On a tilted sheave, elements of constant penetration are at ϱ = R/(1 + (ψ_x cos θ + ψ_y sin θ)/tan β), to first
-//! order a circle about a displaced centre. The curve about centres at the distance d_A + a is that of two pulleys,
-//! turned clockwise by an angle γ and shifted by s:
+//! On a tilted sheave, elements of constant penetration are at ϱ = R/(1 + (ψ_x cos θ + ψ_y sin
+//! θ)/tan β), to first order a circle about a displaced centre. The curve about centres at the
+//! distance d_A + a is that of two pulleys, turned clockwise by an angle γ and shifted by s:
 //!
 //! r(ξ, Θ, a, γ, s) = M + s + Γ(γ) (r₀(ξ, Θ, d_A + a) − M), M the middle between the axes.
 //!
-//! A ring that stretches grows by δ along its outward normal: its arcs have the radii r_P + δ, r_S + δ, and the loop is longer
-//! by 2πδ. ξ remains the length along the curve without growth, so |r'| = 1 + δκ, with κ the turning per dξ.
+//! A ring that stretches grows by δ along its outward normal: its arcs have the radii r_P + δ, r_S
+//! + δ, and the loop is longer by 2πδ. ξ remains the length along the curve without growth, so |r'|
+//! = 1 + δκ, with κ the turning per dξ.
 //!
-//! The six coordinates are Θ, spread a, turn γ, shift s (two) and growth δ; both centres are free. Of their derivatives only
-//! ∂/∂a is new. The closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a = −(b/d)/W, W = π − φ + i φ: the derivatives of φ and b
-//! cancel.
+//! The six coordinates are Θ, spread a, turn γ, shift s (two) and growth δ; both centres are free.
+//! Of their derivatives only ∂/∂a is new. The closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a =
+//! −(b/d)/W, W = π − φ + i φ: the derivatives of φ and b cancel.
 //!
-//! A motion is a path through these coordinates. A frame holds derivatives along a path: derivatives with respect to Θ
-//! on the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the rates of a motion. The projection of forces uses the
-//! first derivatives with respect to each coordinate: [`CoordinateDerivatives`].
+//! A motion is a path through these coordinates. A frame holds derivatives along a path:
+//! derivatives with respect to Θ on the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the
+//! rates of a motion. The projection of forces uses the first derivatives with respect to each
+//! coordinate: [`CoordinateDerivatives`].
 
 use super::{Jet, ReferenceCurve, ReferencePoint, TwoPulley};
 use crate::scalar::{Real, turn_right};
@@ -30,7 +33,8 @@ pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Sync {
     /// Arcs and strands of a frame.
     fn arcs<T: Real>(frame: &Self::Frame<T>) -> &TwoPulleyFrame<T>;
 
-    /// Derivatives with respect to the coordinates at a fraction of a segment, where the curve is `point`.
+    /// Derivatives with respect to the coordinates at a fraction of a segment, where the curve is
+    /// `point`.
     fn derivatives<T: Real>(
         frame: &Self::Frame<T>,
         segment: usize,
@@ -92,8 +96,8 @@ struct ShapeDerivatives<T: Real> {
     strands: [(Vector2<T>, Vector2<T>); 2],
 }
 
-/// Derivatives of the curve at a mesh point with respect to Θ and to the spread, and ∂r/∂γ, m. ∂r/∂s is the unit matrix, ∂r/∂δ the
-/// outward normal; none of the three changes ξ or κ.
+/// Derivatives of the curve at a mesh point with respect to Θ and to the spread, and ∂r/∂γ, m.
+/// ∂r/∂s is the unit matrix, ∂r/∂δ the outward normal; none of the three changes ξ or κ.
 pub type CoordinateDerivatives<T> = ([PointDerivatives<T>; OF_SHAPE], Vector2<T>);
 
 /// Derivatives with respect to a coordinate at fixed η.
@@ -109,8 +113,8 @@ pub struct PointDerivatives<T: Real> {
     pub dilation: T,
 }
 
-/// r_P, r_S, φ and b at one place of a path through Θ and the distance d of the centres, and their derivatives with respect to Θ and
-/// spread.
+/// r_P, r_S, φ and b at one place of a path through Θ and the distance d of the centres, and their
+/// derivatives with respect to Θ and spread.
 fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> ([Jet<T>; 4], [[T; 4]; OF_SHAPE]) {
     let (ratio, i_theta) = ratio(theta);
     let i = ratio.v;
@@ -207,7 +211,8 @@ impl<T: Real> TwoPulleyFrame<T> {
         [self.phi.v * 2.0, self.phi.v * -2.0 + 2.0 * PI]
     }
 
-    /// Pulley of a segment: of an arc its own, of a strand the one at its start; its tangent angle χ at `fraction`, rad.
+    /// Pulley of a segment: of an arc its own, of a strand the one at its start; its tangent angle
+    /// χ at `fraction`, rad.
     #[inline(always)]
     pub fn angle(&self, segment: usize, fraction: T::Constant) -> (usize, Jet<T>) {
         let (pulley, start, sweep) = ANGLES[segment];

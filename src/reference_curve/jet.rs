@@ -4,7 +4,8 @@ use crate::scalar::Real;
 use nalgebra::Vector2;
 use std::ops::{Add, Mul};
 
-/// A quantity and its first and second derivative at fixed η: with respect to Θ, or to the variable of a [path](super::Path).
+/// A quantity and its first and second derivative at fixed η: with respect to Θ, or to the variable
+/// of a [path](super::Path).
 #[derive(Clone, Copy, Debug)]
 pub struct Jet<T> {
     /// The quantity itself.

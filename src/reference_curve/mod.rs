@@ -1,9 +1,10 @@
-//! Reference curves (paper 2, 3.1, 5.1): a closed planar curve r(ξ, Θ) of fixed length L that changes with one ratio
-//! coordinate Θ, divided into segments on which it is smooth.
+//! Reference curves (paper 2, 3.1, 5.1): a closed planar curve r(ξ, Θ) of fixed length L that
+//! changes with one ratio coordinate Θ, divided into segments on which it is smooth.
 //!
-//! A mesh point η is a segment and a fraction f ∈ [0, 1] of it; ξ(η, Θ) moves with Θ while the point stays on its own
-//! arc or strand. Derivatives with respect to Θ are taken at fixed η. The curve runs clockwise: tangent
-//! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), tangent angle χ growing, t' = κ n, n' = −κ t.
+//! A mesh point η is a segment and a fraction f ∈ [0, 1] of it; ξ(η, Θ) moves with Θ while the
+//! point stays on its own arc or strand. Derivatives with respect to Θ are taken at fixed η. The
+//! curve runs clockwise: tangent t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), tangent
+//! angle χ growing, t' = κ n, n' = −κ t.
 
 mod frame;
 mod jet;
@@ -41,7 +42,8 @@ pub struct ReferencePoint<T: Real> {
     pub xi: Jet<T>,
 }
 
-/// A closed curve with one ratio coordinate Θ. For another belt system, implement this trait (paper section 7).
+/// A closed curve with one ratio coordinate Θ. For another belt system, implement this trait (paper
+/// section 7).
 pub trait ReferenceCurve: Clone + Send + 'static {
     /// Quantities that depend on Θ alone, computed once for all mesh points.
     type Frame<T: Real>: Clone;

@@ -1,20 +1,22 @@
 //! The reference curve of a variator (paper 5.1): two arcs and two strands, eq. (27) and (28).
 //!
-//! With i_g = (1−Θ)/(1+Θ), r_S = i_g r_P, φ = arccos((r_P−r_S)/d_A), b = √(d_A² − (r_P−r_S)²) the closure (27)
-//! L = 2b + 2 r_P(π−φ) + 2 r_S φ gives r_P(Θ). The printed (28) has misprints: ξ_P = ξ − r_Sφ − b and
-//! φ_P = φ + ξ_P/r_P; (29) mirrors at L − ξ. Written with the tangent angle χ the whole loop is one formula:
-//! arc points O + r(−cos χ, sin χ) with χ from 0 to φ on S, φ to 2π−φ on P, 2π−φ to 2π on S.
+//! With i_g = (1−Θ)/(1+Θ), r_S = i_g r_P, φ = arccos((r_P−r_S)/d_A), b = √(d_A² − (r_P−r_S)²) the
+//! closure (27) L = 2b + 2 r_P(π−φ) + 2 r_S φ gives r_P(Θ). The printed (28) has misprints: ξ_P = ξ
+//! − r_Sφ − b and φ_P = φ + ξ_P/r_P; (29) mirrors at L − ξ. Written with the tangent angle χ the
+//! whole loop is one formula: arc points O + r(−cos χ, sin χ) with χ from 0 to φ on S, φ to 2π−φ on
+//! P, 2π−φ to 2π on S.
 
 use crate::scalar::Real;
 use std::f64::consts::PI;
 
-/// Most Newton steps for a radius. The default variator takes one or two at every ratio; a curve that does not close
-/// may take all.
+/// Most Newton steps for a radius. The default variator takes one or two at every ratio; a curve
+/// that does not close may take all.
 const NEWTON_STEPS: usize = 50;
-/// Newton's last step, and the length error up to which a curve counts as closed, as fractions of L. The error after that step is of the
-/// order of its square, below rounding.
+/// Newton's last step, and the length error up to which a curve counts as closed, as fractions of
+/// L. The error after that step is of the order of its square, below rounding.
 const CLOSED: f64 = 1e-8;
-/// Largest r_P of the search, as a fraction of that with r_P − r_S = d_A, the end of the range of φ.
+/// Largest r_P of the search, as a fraction of that with r_P − r_S = d_A, the end of the range of
+/// φ.
 const MAX_SINE: f64 = 0.9999;
 
 /// The curve around two pulleys: S at the origin, P at (d_A, 0).
@@ -53,7 +55,8 @@ impl TwoPulley {
         }
     }
 
-    /// Closure (27): length of the curve less L, m, and its derivative with respect to r_P at ratio `ratio`, α_P + i_g α_S.
+    /// Closure (27): length of the curve less L, m, and its derivative with respect to r_P at ratio
+    /// `ratio`, α_P + i_g α_S.
     fn closure(&self, r_p: f64, ratio: f64) -> (f64, f64) {
         let (d, difference) = (self.center_distance, r_p - ratio * r_p);
         let phi = (difference / d).acos();
@@ -64,16 +67,17 @@ impl TwoPulley {
 
     /// r_P at ratio `ratio`, m; NaN where there is none.
     pub(super) fn primary_radius(&self, ratio: f64) -> f64 {
-        // L = 2d_A + π(r_P + r_S) + d_A (x² + x⁴/12 + x⁶/40 + …) with x = (r_P − r_S)/d_A. The start value solves the
-        // quadratic equation and is corrected by the next two terms at that solution.
+        // L = 2d_A + π(r_P + r_S) + d_A (x² + x⁴/12 + x⁶/40 + …) with x = (r_P − r_S)/d_A. The
+        // start value solves the quadratic equation and is corrected by the next two terms at that
+        // solution.
         let d = self.center_distance;
         let (square, linear) = ((1.0 - ratio) * (1.0 - ratio) / d, PI * (1.0 + ratio));
         let rest = self.length - 2.0 * d;
         let mut r_p = 2.0 * rest / (linear + (linear * linear + 4.0 * square * rest).max(0.0).sqrt());
         let x2 = square * r_p * r_p / d;
         r_p -= d * x2 * x2 * (1.0 / 12.0 + x2 / 40.0) / (linear + 2.0 * square * r_p);
-        // The derivative of the closure is positive and bounded away from zero, so Newton converges from every start
-        // inside the range of φ.
+        // The derivative of the closure is positive and bounded away from zero, so Newton converges
+        // from every start inside the range of φ.
         let limit = MAX_SINE * d / (1.0 - ratio).abs();
         r_p = r_p.max(0.0).min(limit);
         for _ in 0..NEWTON_STEPS {

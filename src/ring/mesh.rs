@@ -1,7 +1,7 @@
 //! Division of the reference curve into ring elements, and of the elements into quadrature points.
 //!
-//! Element borders lie on the segment borders for every Θ. Every quadrature point stays on its own arc or strand, and
-//! all integrals are smooth in Θ.
+//! Element borders lie on the segment borders for every Θ. Every quadrature point stays on its own
+//! arc or strand, and all integrals are smooth in Θ.
 
 use super::kinematics::Hermite;
 use std::f64::consts::TAU;
@@ -53,7 +53,8 @@ pub fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64)
     (element, (fraction - start) / length)
 }
 
-/// How a segment is divided. A grading g ∈ [0, 1) makes the element at the named end 1 − g of the mean size; 0 is even.
+/// How a segment is divided. A grading g ∈ [0, 1) makes the element at the named end 1 − g of the
+/// mean size; 0 is even.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spacing {
     /// Finer towards the start.

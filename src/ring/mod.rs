@@ -17,7 +17,8 @@ pub struct Ring {
     pub axial_stiffness: f64,
     /// Bending stiffness EI_n in the plane of the drive, N·m².
     pub bending_stiffness: f64,
-    /// Bending stiffness EI_b out of the plane of the drive, N·m²; used by rings that deflect in space.
+    /// Bending stiffness EI_b out of the plane of the drive, N·m²; used by rings that deflect in
+    /// space.
     pub lateral_bending_stiffness: f64,
     /// Kelvin–Voigt damping time η of the axial strain, s.
     pub damping: f64,

@@ -1,37 +1,45 @@
-//! Stress in the layers of the ring, from tension and curvature along the belt: a law without state.
+//! Stress in the layers of the ring, from tension and curvature along the belt: a law without
+//! state.
 //!
-//! Two ring sets of n layers share the tension T. Each layer has the same speed all around the loop, so on one pulley all
-//! layers slip on each other, each against the one below ([`layers`](super::layers)). They slip backwards, because the outer
-//! ones have further to go, and friction pulls them forwards: with θ the angle of travel on that arc, the tension T_j outside
+//! Two ring sets of n layers share the tension T. Each layer has the same speed all around the
+//! loop, so on one pulley all layers slip on each other, each against the one below
+//! ([`layers`](super::layers)). They slip backwards, because the outer ones have further to go, and
+//! friction pulls them forwards: with θ the angle of travel on that arc, the tension T_j outside
 //! interface j follows
 //!
 //! dT_j/dθ = −μ_l (T_j − m_j ṡ²), m_j the mass of the layers outside it,
 //!
-//! and returns on the other pulley, where the layers stick, taken as linear in the angle. Strands change no T_j. All
-//! equations are the same but for the share (n − j)/n of the layers outside. With equal ∮T_j dξ per layer (layers that fit one
-//! another are stretched alike) their solution is one function of the place: a layer other than the innermost has T_o/n,
+//! and returns on the other pulley, where the layers stick, taken as linear in the angle. Strands
+//! change no T_j. All equations are the same but for the share (n − j)/n of the layers outside.
+//! With equal ∮T_j dξ per layer (layers that fit one another are stretched alike) their solution is
+//! one function of the place: a layer other than the innermost has T_o/n,
 //!
 //! T_o = m_r ṡ² + A g(θ), with g the decay and the return, and A from ∮T_o dξ = ∮T dξ.
 //!
-//! The innermost has the rest, T_o/n + T − T_o: it rubs on the elements. Without friction between layers T_o is constant,
-//! and the innermost alone has the changes of T. With the same friction everywhere and a ring that slips on its elements as its
-//! layers do, T = T_o and all layers share T equally.
+//! The innermost has the rest, T_o/n + T − T_o: it rubs on the elements. Without friction between
+//! layers T_o is constant, and the innermost alone has the changes of T. With the same friction
+//! everywhere and a ring that slips on its elements as its layers do, T = T_o and all layers share
+//! T equally.
 //!
-//! Near ratio 1 and at a standstill the layers stick on both pulleys. They then share the changes of T alike, as far as their
-//! friction bears it on the shorter arc: T_o = T̄ + c (T − T̄) with c = min(1, μ_l (T̄ − m_r ṡ²) α/(T_max − T_min)), T̄ the mean. In
-//! between, T_o passes from one to the other as the loss does.
+//! Near ratio 1 and at a standstill the layers stick on both pulleys. They then share the changes
+//! of T alike, as far as their friction bears it on the shorter arc: T_o = T̄ + c (T − T̄) with c =
+//! min(1, μ_l (T̄ − m_r ṡ²) α/(T_max − T_min)), T̄ the mean. In between, T_o passes from one to the
+//! other as the loss does.
 //!
-//! A layer of width w and thickness t has the stress T/(2 w t) ± ½ E t (κ − κ₀) at its outer and at its inner face, with the
-//! tension T of both sets, E = EA/(2 n w t), κ the curvature of the ring's centre line and κ₀ that of a layer without stress.
+//! A layer of width w and thickness t has the stress T/(2 w t) ± ½ E t (κ − κ₀) at its outer and at
+//! its inner face, with the tension T of both sets, E = EA/(2 n w t), κ the curvature of the ring's
+//! centre line and κ₀ that of a layer without stress.
 //!
-//! Simplifications: friction is rigid-plastic, so a reversal of the load acts at once; the curvature is that of the centre
-//! line, although the innermost layer of nine bends 2 % more on the smallest radius; a layer is much wider than thick, so its
-//! stiffness in bending lies between E and E/(1 − ν²), an upper bound with 10 % more stress of bending; contact stress on the
-//! saddle and at the edges is left out.
+//! Simplifications: friction is rigid-plastic, so a reversal of the load acts at once; the
+//! curvature is that of the centre line, although the innermost layer of nine bends 2 % more on the
+//! smallest radius; a layer is much wider than thick, so its stiffness in bending lies between E
+//! and E/(1 − ν²), an upper bound with 10 % more stress of bending; contact stress on the saddle
+//! and at the edges is left out.
 //!
-//! In a revolution a face has two cycles of stress, one on each pulley. Rainflow counting on the closed loop of two peaks and two
-//! valleys combines the higher peak with the lower valley and the other two with each other. At an outer face the peaks are on
-//! the arcs, at an inner one the valleys.
+//! In a revolution a face has two cycles of stress, one on each pulley. Rainflow counting on the
+//! closed loop of two peaks and two valleys combines the higher peak with the lower valley and the
+//! other two with each other. At an outer face the peaks are on the arcs, at an inner one the
+//! valleys.
 
 use super::Ring;
 use super::layers::{Layers, slip};
@@ -88,7 +96,8 @@ fn outer_tension(
         let end = (-rate * wraps[slips]).exp();
         end + (1.0 - end) * turned / wraps[pulley]
     };
-    // The loop begins in the middle of the secondary arc. A strand is at the end of the arc before it.
+    // The loop begins in the middle of the secondary arc. A strand is at the end of the arc before
+    // it.
     let (mut angle, mut mean_shape) = (0.5 * secondary, 0.0);
     for (part, shape_there) in parts.iter().zip(&mut *along) {
         let middle = angle + 0.5 * part.turning;
@@ -116,8 +125,8 @@ fn outer_tension(
     }
 }
 
-/// Tension of the innermost of `count` layers and of each other one, of both sets together, N, where the ring has the tension
-/// `tension` and T_o is `outer`.
+/// Tension of the innermost of `count` layers and of each other one, of both sets together, N,
+/// where the ring has the tension `tension` and T_o is `outer`.
 fn of_layers(tension: f64, outer: f64, count: i32) -> [f64; 2] {
     let fraction = outer / f64::from(count);
     [fraction + tension - outer, fraction]
@@ -134,8 +143,9 @@ pub struct RingStress {
     pub mean: PerPulley<f64>,
 }
 
-/// Cycles of a face's stress by rainflow counting: the larger extreme of the arcs with the smaller one of the strands. `side` is +1 for an
-/// outer face, −1 for an inner one; extremes are those of the stress times it.
+/// Cycles of a face's stress by rainflow counting: the larger extreme of the arcs with the smaller
+/// one of the strands. `side` is +1 for an outer face, −1 for an inner one; extremes are those of
+/// the stress times it.
 fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) -> RingStress {
     let (mut max, mut arcs, mut strands) = (f64::NEG_INFINITY, [f64::NEG_INFINITY; 2], [f64::INFINITY; 2]);
     for (part, stress) in stresses {
@@ -163,8 +173,9 @@ fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) ->
     }
 }
 
-/// Stress of the face with the largest one over a revolution, where the ring moves along itself at a speed, m/s, on pitch radii, the
-/// secondary first, m. Writes its stress in each part to `along`, Pa. All are zero for layers without thickness.
+/// Stress of the face with the largest one over a revolution, where the ring moves along itself at
+/// a speed, m/s, on pitch radii, the secondary first, m. Writes its stress in each part to `along`,
+/// Pa. All are zero for layers without thickness.
 pub fn ring_stress(
     of: (&Ring, &Layers),
     motion: (f64, [f64; 2]),

@@ -16,8 +16,9 @@ const FREQUENCIES: (f64, f64) = (1.0e-2, 1.0e5);
 /// An output of the linear model: name, unit, and getter of its value.
 type Column<'a> = (&'a str, &'static str, fn(&Outputs) -> f64);
 
-/// The linear model about the present state of `unit`, whose inputs are those of `settings`. Modes below `frequency`, Hz,
-/// are its states. There is a warning for each difference from the specified point.
+/// The linear model about the present state of `unit`, whose inputs are those of `settings`. Modes
+/// below `frequency`, Hz, are its states. There is a warning for each difference from the specified
+/// point.
 ///
 /// # Errors
 /// The reason, as a sentence.

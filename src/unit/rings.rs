@@ -1,4 +1,5 @@
-//! The values that a master sets; the rings that a unit offers, and the variables that choose among them.
+//! The values that a master sets; the rings that a unit offers, and the variables that choose among
+//! them.
 
 use crate::fmi::table::{Access, Causality, Enumeration, Kind, Retired, Variable};
 use crate::fmi::unit::Identity;
@@ -54,7 +55,8 @@ pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
     /// Variables of earlier versions that the unit no longer has.
     const RETIRED: &'static [Retired];
 
-    /// The variables that choose the ring: `ring.model`, and parameters of rings that no other unit has.
+    /// The variables that choose the ring: `ring.model`, and parameters of rings that no other unit
+    /// has.
     fn variables() -> Vec<Variable<Settings<Self>, Readings>>;
 
     /// The ring that is chosen.

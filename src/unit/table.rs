@@ -1,9 +1,11 @@
-//! The variable table: one row an output, with its name, value reference, unit, description and field. Rows of parameters and inputs
-//! are in [`settings`](crate::variator::settings::parameters).
+//! The variable table: one row an output, with its name, value reference, unit, description and
+//! field. Rows of parameters and inputs are in [`settings`](crate::variator::settings::parameters).
 //!
-//! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the reference.
+//! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the
+//! reference.
 //!
-//! Value references, never changed once given (1036 was belt.contactStrain; 1045, 1048 and 1075 are those of the paper's rings):
+//! Value references, never changed once given (1036 was belt.contactStrain; 1045, 1048 and 1075 are
+//! those of the paper's rings):
 //!
 //! | references | variables |
 //! |---|---|
@@ -22,8 +24,9 @@ use crate::variator::settings::{Outputs, PROFILE_POINTS, Readings, Setting, Star
 
 use Causality::{Local, Output};
 
-/// Outputs that do not depend on all settings at the start. The primary speed is given there, so a load on that shaft closes no loop. With
-/// a speed set point for the secondary shaft alone it is solved for, which these lists leave out: they are for shafts under torque.
+/// Outputs that do not depend on all settings at the start. The primary speed is given there, so a
+/// load on that shaft closes no loop. With a speed set point for the secondary shaft alone it is
+/// solved for, which these lists leave out: they are for shafts under torque.
 const INITIAL_DEPENDENCIES: &[InitialDependencies] = &[
     (
         "primary.speed",
@@ -70,7 +73,8 @@ pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
     table
 }
 
-/// Inputs, outputs, parameters, of which the unit's `own` are the first, and locals but for profiles.
+/// Inputs, outputs, parameters, of which the unit's `own` are the first, and locals but for
+/// profiles.
 #[must_use]
 pub fn shared_variables<R, Q: AsRef<Outputs>>(
     own: Vec<Variable<Settings<R>, Q>>,
@@ -80,7 +84,8 @@ pub fn shared_variables<R, Q: AsRef<Outputs>>(
     before.chain(parameters).chain(locals()).collect()
 }
 
-/// A row, by name, value reference, causality, type, description and field of [`Outputs`]. `Q` is the type of the readings in which it is.
+/// A row, by name, value reference, causality, type, description and field of [`Outputs`]. `Q` is
+/// the type of the readings in which it is.
 macro_rules! read {
     ($name:literal, $reference:literal, $causality:ident, $kind:ident $(($($of:tt)*))?, $text:literal, $($field:tt)+) => {{
         let access = Access::Reading(|readings: &Q| readings.as_ref().$($field)+);
@@ -175,7 +180,8 @@ fn locals<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
     rows.into_iter().map(|row| row.variable(WHOLE))
 }
 
-/// A profile: name, value reference of its first element, unit, typical size, description, and its value at a point.
+/// A profile: name, value reference of its first element, unit, typical size, description, and its
+/// value at a point.
 #[rustfmt::skip]
 type ProfileRow = (&'static str, u32, &'static str, f64, &'static str, fn(&Readings, usize) -> f64);
 

@@ -99,7 +99,8 @@ impl<R: Rings> Unit for UnitWith<R> {
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
         let step = CommunicationStep::begin(&mut self.variator, to, &settings.inputs, &rates);
         let step = step.map_err(|error| error.to_string())?;
-        // After the beginning, so that a step that can't be done goes back to the friction of before.
+        // After the beginning, so that a step that can't be done goes back to the friction of
+        // before.
         self.tune(settings).map_err(|error| error.to_string())?;
         Ok(step)
     }
@@ -161,7 +162,8 @@ impl<R: Rings> Unit for UnitWith<R> {
     }
 }
 
-/// Memory of a cell with its share of the matrices, bytes, where the start has a copy (measured with 16 cells in an element: half).
+/// Memory of a cell with its share of the matrices, bytes, where the start has a copy (measured
+/// with 16 cells in an element: half).
 const CELL: usize = 24_000;
 
 /// Looks for the memory of a mesh: within the model a failed allocation would end the process.
@@ -180,8 +182,8 @@ fn find_memory(mesh: &Mesh) -> Result<(), String> {
     })
 }
 
-/// The tolerance to use, from the parameter and from the experiment. Masters pass the default experiment's tolerance
-/// without any action of the user, so a changed parameter takes precedence.
+/// The tolerance to use, from the parameter and from the experiment. Masters pass the default
+/// experiment's tolerance without any action of the user, so a changed parameter takes precedence.
 fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Message>) -> f64 {
     let mut remark = |warning, text| remarks.push(Message { warning, text });
     if parameter != Parameters::default().solver.tolerance {
@@ -209,7 +211,8 @@ fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Message>)
 mod tests {
     use super::choose_tolerance;
 
-    /// The experiment's tolerance replaces the default, within the range; a changed parameter takes precedence.
+    /// The experiment's tolerance replaces the default, within the range; a changed parameter takes
+    /// precedence.
     #[test]
     fn a_tolerance_is_chosen() {
         for (parameter, experiment, expected, remark) in [

@@ -26,7 +26,8 @@ pub struct VariatorSystem {
     pub loads: Loads,
     /// Parameters in force, including the friction coefficients, which can change in a run.
     pub parameters: ParametersInForce,
-    /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
+    /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a
+    /// larger one.
     pub friction_velocity: f64,
     /// Loads of the belt on the pulleys in the last residual.
     pub(crate) of_belt: PerPulley<PulleyLoad>,
@@ -139,7 +140,8 @@ impl VariatorSystem {
         self.parameters.serialize(archive);
     }
 
-    /// Writes to an archive the points of the cached derivatives, or reads them, and evaluates these.
+    /// Writes to an archive the points of the cached derivatives, or reads them, and evaluates
+    /// these.
     pub(crate) fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
         let friction = &self.friction();
         let belt = &*self.belt;
@@ -165,16 +167,19 @@ impl VariatorSystem {
     }
 }
 
-// The Newton scale: negligible errors. "Half" and "twice" are changes of the Jacobians and residuals under the ten rough loads with `ALE0`.
+// The Newton scale: negligible errors. "Half" and "twice" are changes of the Jacobians and
+// residuals under the ten rough loads with `ALE0`.
 
-/// Place of the ring and content of a cell, m (1 N of tension, 5 N/m of contact; 1e-7 of stack strain, 1 N). Half: 0, 0 %; twice: +2, 0 %.
+/// Place of the ring and content of a cell, m (1 N of tension, 5 N/m of contact; 1e-7 of stack
+/// strain, 1 N). Half: 0, 0 %; twice: +2, 0 %.
 const PLACE: f64 = 1.0e-9;
-/// Speed of the ring in steps below a microsecond, m/s. Half and twice: 0 %. Without, some loose belts have no steady state.
+/// Speed of the ring in steps below a microsecond, m/s. Half and twice: 0 %. Without, some loose
+/// belts have no steady state.
 const RING_SPEED: f64 = 1.0e-3;
 /// Sliding speed, as a fraction of the friction velocity. Half: +1, +5 %; twice: -4, -7 %.
 const SLIP: f64 = 2.0e-3;
-/// Slope of the overlay per metre of its deflection, 1/m. Half and twice, with `ALE`: 1, 0 %; that of an element's length, a tenth, loses steady
-/// states.
+/// Slope of the overlay per metre of its deflection, 1/m. Half and twice, with `ALE`: 1, 0 %; that
+/// of an element's length, a tenth, loses steady states.
 const PER_METRE: f64 = 1.0e3;
 /// Tension as an unknown of its own, N. Half and twice: +1, -1 %.
 const TENSION: f64 = 0.1;

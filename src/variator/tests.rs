@@ -9,7 +9,8 @@ use crate::solver::sdirk::Evolution;
 use crate::solver::{State, System};
 use pushbelt_support::noise;
 
-/// Space mirrored in the plane of the drive: sheaves on the other sides, w the other way, everything else alike.
+/// Space mirrored in the plane of the drive: sheaves on the other sides, w the other way,
+/// everything else alike.
 #[test]
 fn mirrored_in_the_plane() {
     let mut parameters = Parameters {

@@ -1,4 +1,5 @@
-//! Real time: bounded work in each millisecond, closeness to the accurate run, no allocation, stored states.
+//! Real time: bounded work in each millisecond, closeness to the accurate run, no allocation,
+//! stored states.
 
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::RingModel::{self, Ale, Ale0};
@@ -24,8 +25,9 @@ fn meshes() -> [Parameters; 3] {
     [variator(Ale0), one_cell(Ale), variator(Ale)]
 }
 
-/// Every load at every ratio: work within the bound in each communication step, its mean as well; no step fails, all outputs are finite,
-/// and the energy balance holds: within a share of the transmitted energy, which is almost zero in the first moments of a launch.
+/// Every load at every ratio: work within the bound in each communication step, its mean as well;
+/// no step fails, all outputs are finite, and the energy balance holds: within a share of the
+/// transmitted energy, which is almost zero in the first moments of a launch.
 fn assert_work_is_bounded(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
     for load in LOADS {
         for &ratio in load.ratios() {
@@ -84,7 +86,8 @@ fn beside(
 /// The default tolerance.
 const TOLERANCE: f64 = 1e-4;
 
-/// Speeds and slip are within a share of their ranges; ratio and thrust ratio, whose ranges may be tiny, within the given bounds.
+/// Speeds and slip are within a share of their ranges; ratio and thrust ratio, whose ranges may be
+/// tiny, within the given bounds.
 fn assert_followed((found, exact): &(Trace, Trace), share: f64, bounds: [f64; 2], name: &str) {
     let (off, ranges) = (found.off(exact), exact.ranges());
     let allowed = [0, 1, 3].map(|k| (k, share * ranges[k]));
@@ -93,7 +96,8 @@ fn assert_followed((found, exact): &(Trace, Trace), share: f64, bounds: [f64; 2]
     }
 }
 
-/// A slam into macro-slip and back is reported within 5 ms, with speeds and slip within 2 % of their ranges.
+/// A slam into macro-slip and back is reported within 5 ms, with speeds and slip within 2 % of
+/// their ranges.
 #[test]
 fn a_slam_is_followed() {
     for model in MODELS {
@@ -117,8 +121,8 @@ fn a_slam_is_followed() {
     }
 }
 
-/// Smooth loads and noise, in the units of a controller, and ripple: it requires steps below 1 ms. With 1 ms the thrust ratio has errors of
-/// 5 % of its range.
+/// Smooth loads and noise, in the units of a controller, and ripple: it requires steps below 1 ms.
+/// With 1 ms the thrust ratio has errors of 5 % of its range.
 #[test]
 fn smooth_and_rippling_loads_are_followed() {
     for model in MODELS {
@@ -138,8 +142,8 @@ fn smooth_and_rippling_loads_are_followed() {
     }
 }
 
-/// An engine's firing, also with noise on the forces; a torque that reverses from drive to coast, and a hunting clutch: they take the work of
-/// an effort of 13.
+/// An engine's firing, also with noise on the forces; a torque that reverses from drive to coast,
+/// and a hunting clutch: they take the work of an effort of 13.
 #[test]
 fn firing_flips_and_hunting_are_followed() {
     use LoadHistory::{Firing, FiringAndNoise, Flips, Hunting};
@@ -244,8 +248,8 @@ fn external_torques_are_those_of_the_clock() {
     assert!(behind > 1e-3, "{behind} s");
 }
 
-/// Far too little work for a torque that flips: the time that is left out is counted and logged once, also across a stored state. With
-/// enough there is none.
+/// Far too little work for a torque that flips: the time that is left out is counted and logged
+/// once, also across a stored state. With enough there is none.
 #[test]
 fn time_that_is_left_out_is_counted() {
     for effort in [1, 16] {
@@ -296,8 +300,8 @@ fn the_bound_is_in_proportion_to_time() {
     assert_eq!(variator.outputs().work.behind, 0.0);
 }
 
-/// Steps without a solution are begun again, and the run continues: it never stops, and ends near the speed and the ratio of an accurate
-/// run.
+/// Steps without a solution are begun again, and the run continues: it never stops, and ends near
+/// the speed and the ratio of an accurate run.
 #[test]
 fn a_run_continues_after_steps_without_a_solution() {
     let mut rollbacks = 0;
@@ -334,7 +338,8 @@ fn a_run_continues_after_steps_without_a_solution() {
     assert!(rollbacks <= 480, "{rollbacks}");
 }
 
-/// Clamping forces far from equilibrium lead to a fast shift in overdrive: few steps are begun again.
+/// Clamping forces far from equilibrium lead to a fast shift in overdrive: few steps are begun
+/// again.
 #[test]
 fn few_steps_are_begun_again() {
     for parameters in meshes() {
@@ -406,8 +411,9 @@ impl Jumps {
     }
 }
 
-/// The run neither stops nor runs away: a step takes no more than the work of 20 ms at an effort of 4. Its delay is bounded, and so is the
-/// work of a millisecond. Of some runs `solver.defect` is looked at: the error of solved steps alone is below 1, as that of accurate steps,
+/// The run neither stops nor runs away: a step takes no more than the work of 20 ms at an effort of
+/// 4. Its delay is bounded, and so is the work of a millisecond. Of some runs `solver.defect` is
+///    looked at: the error of solved steps alone is below 1, as that of accurate steps,
 /// also where steps are begun again.
 #[test]
 fn a_run_continues_under_random_jumps() {
@@ -443,7 +449,8 @@ fn a_run_continues_under_random_jumps() {
     assert!(begun_again > 0, "all steps had a solution");
 }
 
-/// In a slam while the belt slips; under firing while a step is open; under ripple; right after a step without a solution; a chain.
+/// In a slam while the belt slips; under firing while a step is open; under ripple; right after a
+/// step without a solution; a chain.
 #[test]
 fn copies_and_stored_states_continue_alike() {
     for (load, parameters, effort) in [
@@ -487,7 +494,8 @@ fn copies_and_stored_states_continue_alike() {
     });
 }
 
-/// Also after a state was stored, read or copied, and with an open step. Steps with a remark for the log allocate its text.
+/// Also after a state was stored, read or copied, and with an open step. Steps with a remark for
+/// the log allocate its text.
 #[test]
 fn a_step_allocates_nothing() {
     for model in MODELS {

@@ -8,10 +8,12 @@ use pushbelt_support::noise;
 use pushbelt_support::run::tried;
 use pushbelt_support::variators::{MODELS, inputs, variator};
 
-/// Residuals that a start may take: of the search for a steady state, and of a belt that settles at a standstill, twice.
+/// Residuals that a start may take: of the search for a steady state, and of a belt that settles at
+/// a standstill, twice.
 const MOST_RESIDUALS: u64 = 250_000 + 2 * 20_000;
 
-/// Random parameters and inputs: some near their defaults, some anywhere in their ranges. An error names a variable with its value.
+/// Random parameters and inputs: some near their defaults, some anywhere in their ranges. An error
+/// names a variable with its value.
 #[test]
 fn random_parameters_start_with_bounded_work_or_a_named_error() {
     let table = VariatorUnit::table();
@@ -22,7 +24,8 @@ fn random_parameters_start_with_bounded_work_or_a_named_error() {
         let mut settings = <VariatorUnit as Unit>::Settings::default();
         settings.parameters.ring_model = MODELS[usize::from(uniform() < 0.3)];
         for variable in table.variables() {
-            // Meshes and tolerances change the work of a residual or the number of steps, as they are meant to.
+            // Meshes and tolerances change the work of a residual or the number of steps, as they
+            // are meant to.
             let of_numerics = ["mesh.", "solver.", "inputs.", "initial.ratio"];
             let chosen = variable.causality == Causality::Parameter || variable.causality == Causality::Input;
             let (Kind::Real { .. }, Some((min, max))) = (&variable.kind, range_of(&variable.name)) else {
@@ -58,7 +61,8 @@ fn random_parameters_start_with_bounded_work_or_a_named_error() {
     assert!(started > 10);
 }
 
-/// Small forces away from ratio 1 under a small torque: a state is found, or the unloaded one is taken, within the bound.
+/// Small forces away from ratio 1 under a small torque: a state is found, or the unloaded one is
+/// taken, within the bound.
 fn small_clamping_forces(model: RingModel, starts: [(f64, f64); 3]) {
     for (force, ratio) in starts {
         let mut parameters = variator(model);

@@ -8,8 +8,8 @@ use pushbelt::unit::VariatorUnit;
 use crate::importer::Handles;
 use crate::variator::{Importer, ramp};
 
-/// A torque that rises within the step: with its derivative the speeds follow in second order of the communication
-/// step, without it (held at the start of each step) in first order.
+/// A torque that rises within the step: with its derivative the speeds follow in second order of
+/// the communication step, without it (held at the start of each step) in first order.
 #[test]
 fn input_derivatives_raise_the_order_on_a_ramp() {
     let run = |steps: u32, interpolate: bool| {
@@ -41,24 +41,26 @@ fn input_derivatives_raise_the_order_on_a_ramp() {
     assert!((straight - 2.0).abs() < 0.4, "interpolated: order {straight}");
 }
 
-/// The integral of the derivatives over 50 steps of 2 µs is the change of the outputs, in a run with all variables changing.
+/// The integral of the derivatives over 50 steps of 2 µs is the change of the outputs, in a run
+/// with all variables changing.
 #[test]
 fn output_derivatives_are_the_slopes_of_the_outputs() {
-    // In ALE0 the ring tension and outputs that depend on it reverse within a few steps: errors are up to 4 % of the change,
-    // and 25 outputs of 35 agree. In ALE the efficiency has an error of 6 %, because closing
-    // gaps change the torques within a step, and 30 agree.
+    // In ALE0 the ring tension and outputs that depend on it reverse within a few steps: errors are
+    // up to 4 % of the change, and 25 outputs of 35 agree. In ALE the efficiency has an error of 6
+    // %, because closing gaps change the torques within a step, and 30 agree.
     check_output_derivatives(1, 0.05, 24);
     check_output_derivatives(2, 0.07, 29);
 }
 
-/// The error of every output is at most `share` of its change, and that of `agreeing` changing outputs at most 2 %.
+/// The error of every output is at most `share` of its change, and that of `agreeing` changing
+/// outputs at most 2 %.
 fn check_output_derivatives(model: i32, share: f64, agreeing: u32) {
     let importer = Importer::coarse(Two, Handles::default());
     importer.choose("ring.model", model);
     importer.choose("secondary.drive", 2);
     importer.put("solver.tolerance", 1e-7);
-    // Without drag, turning elements and oil: which tension of ALE0 reverses in these steps depends on each detail, such as drag or 0.3 % of
-    // inertia.
+    // Without drag, turning elements and oil: which tension of ALE0 reverses in these steps depends
+    // on each detail, such as drag or 0.3 % of inertia.
     for pulley in ["primary", "secondary"] {
         for drag in ["drag.constant", "drag.viscous", "bearing.friction"] {
             importer.put(&format!("{pulley}.{drag}"), 0.0);
@@ -76,7 +78,8 @@ fn check_output_derivatives(model: i32, share: f64, agreeing: u32) {
         .filter(|v| v.causality == Causality::Output);
     let real = outputs.filter(|v| matches!(v.kind, Kind::Real { .. }));
     let names: Vec<&String> = real.map(|v| &v.name).collect();
-    // Load and set point change at the same time, so that outputs change much in 1 ms, and the reaction of the shaft depends on inputs.
+    // Load and set point change at the same time, so that outputs change much in 1 ms, and the
+    // reaction of the shaft depends on inputs.
     let from = 0.03;
     let step = |t: f64, size: f64| {
         for (name, value, rate) in [
@@ -120,8 +123,8 @@ fn check_output_derivatives(model: i32, share: f64, agreeing: u32) {
         .filter(|(_, name)| **name != "solver.defect")
     {
         let found = last[i] - first[i];
-        // The tolerance of Newton's method is some 1e-6 of an output. In such short steps velocities and forces of sticking
-        // elements are less accurate.
+        // The tolerance of Newton's method is some 1e-6 of an output. In such short steps
+        // velocities and forces of sticking elements are less accurate.
         let error = (change[i] - found).abs();
         let uncertain = 3e-6 * last[i].abs() + 1e-12;
         exact += u32::from(error < 0.02 * travel[i] && travel[i] > 20.0 * uncertain);

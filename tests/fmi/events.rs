@@ -30,7 +30,8 @@ fn overloaded(handles: Handles<'_>) -> Importer {
     loaded(handles, 400.0, [13e3, 10e3])
 }
 
-/// Steps on the grid of 1 ms until the first event, at most to 100 ms: the end of the last communication step, and how it ended.
+/// Steps on the grid of 1 ms until the first event, at most to 100 ms: the end of the last
+/// communication step, and how it ended.
 fn first_event(importer: &Importer) -> (f64, Ended) {
     let mut time = 0.02_f64;
     while time < 0.1 {
@@ -96,7 +97,8 @@ fn a_step_ends_where_a_sheave_reaches_its_stop() {
     }
 }
 
-/// After a rollback to a time before the event it occurs again; steps that end at the event reach the same end.
+/// After a rollback to a time before the event it occurs again; steps that end at the event reach
+/// the same end.
 #[test]
 fn an_early_return_can_be_rolled_back() {
     let importer = overloaded(EVENTS);
@@ -108,8 +110,8 @@ fn an_early_return_can_be_rolled_back() {
     assert_eq!((again, importer.readings()), (first, there));
     assert_eq!(importer.restore(state), Ok);
     assert_eq!(importer.get("time"), 0.02);
-    // A step that ends before the event has none. Slip is detected at the end of a step of the integrator, so it began up
-    // to 1 ms before.
+    // A step that ends before the event has none. Slip is detected at the end of a step of the
+    // integrator, so it began up to 1 ms before.
     let ended = importer.step(0.02, first.time - 0.02 - 1e-3);
     assert_eq!((ended.status, ended.event, ended.early), (Ok, false, false));
     assert!(!importer.is("macroSlip"));

@@ -15,7 +15,8 @@ use crate::variator::{Importer, real_outputs};
 fn text(importer: &Importer, frequency: f64) -> (Status, Option<String>) {
     // Not null before, so that an unchanged pointer is detected.
     let mut text = c"before".as_ptr().cast_mut();
-    // SAFETY: an instance and a valid pointer; the text comes from the call and is read before it is freed.
+    // SAFETY: an instance and a valid pointer; the text comes from the call and is read before it
+    // is freed.
     unsafe {
         let status = pushbeltLinearize(importer.c, frequency, &mut text);
         let found = (!text.is_null()).then(|| CStr::from_ptr(text).to_str().expect("UTF-8").to_owned());

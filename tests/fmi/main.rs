@@ -1,5 +1,5 @@
-//! The variator behind the C functions of both versions. What the layer does with any unit is tested on a toy in `crates/fmi`; here is what
-//! a belt alone can show.
+//! The variator behind the C functions of both versions. What the layer does with any unit is
+//! tested on a toy in `crates/fmi`; here is what a belt alone can show.
 
 #![allow(unsafe_code, reason = "it calls C functions")]
 

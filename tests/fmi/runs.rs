@@ -1,4 +1,5 @@
-//! Runs of a variator: the same bits in both versions, in every thread, and steps that can't be done.
+//! Runs of a variator: the same bits in both versions, in every thread, and steps that can't be
+//! done.
 
 use std::thread;
 
@@ -79,7 +80,8 @@ fn rows(run: &Run, version: Version, handles: Handles<'_>) -> Vec<Vec<u64>> {
     (0..).zip(&run.steps).map(step).collect()
 }
 
-/// The versions agree to the last bit, also with intermediate updates in which the importer does nothing.
+/// The versions agree to the last bit, also with intermediate updates in which the importer does
+/// nothing.
 fn check(run: &Run) {
     let expected = rows(run, Two, Handles::default());
     let required = ["thrustRatio", "primary.torque"].map(reference);
@@ -99,7 +101,8 @@ fn check(run: &Run) {
     }
 }
 
-/// The manoeuvre's first second, with the launch, on the reference ring; all of it is a test of the packed FMUs.
+/// The manoeuvre's first second, with the launch, on the reference ring; all of it is a test of the
+/// packed FMUs.
 #[test]
 fn the_manoeuvre_has_the_same_bits_in_both_versions() {
     let manoeuvre = Manoeuvre::read();
@@ -142,7 +145,8 @@ fn real_time_has_the_same_bits_in_both_versions() {
     });
 }
 
-/// Instances run on eight threads as one after the other, every second one with intermediate updates.
+/// Instances run on eight threads as one after the other, every second one with intermediate
+/// updates.
 #[test]
 fn instances_on_threads_give_the_sequential_bits() {
     let run = |version: Version, number: u32| {
@@ -179,8 +183,8 @@ fn instances_on_threads_give_the_sequential_bits() {
     }
 }
 
-/// A run that starts at a time of today, in seconds since 1970, by a host that sums up its steps or multiplies: within the tolerance of the
-/// solver, 1e-4, of the outputs' size.
+/// A run that starts at a time of today, in seconds since 1970, by a host that sums up its steps or
+/// multiplies: within the tolerance of the solver, 1e-4, of the outputs' size.
 #[test]
 fn a_late_run_equals_one_from_zero() {
     let outputs = |mode: i32, start: f64, sums: bool| {
@@ -230,7 +234,8 @@ fn set_largest_loads(importer: &Importer) {
     }
 }
 
-/// A step from `from`, s, is discarded, and all is as before: outputs and their derivatives, counts of work and flags.
+/// A step from `from`, s, is discarded, and all is as before: outputs and their derivatives, counts
+/// of work and flags.
 fn discard(importer: &Importer, from: f64, size: f64) {
     let everything = || {
         let counts =
@@ -249,7 +254,8 @@ fn discard(importer: &Importer, from: f64, size: f64) {
     assert_eq!(everything(), before);
 }
 
-/// An instance with the least friction velocity, on which the largest loads are too much, after a step from 0 s.
+/// An instance with the least friction velocity, on which the largest loads are too much, after a
+/// step from 0 s.
 fn fragile(version: Version, handles: Handles<'_>, tolerance: f64) -> Importer {
     let importer = Importer::handling(version, handles);
     importer.put("solver.tolerance", tolerance);
@@ -260,7 +266,8 @@ fn fragile(version: Version, handles: Handles<'_>, tolerance: f64) -> Importer {
     importer
 }
 
-/// Too much for the error control at a very small tolerance, whose bound on work is wide enough that the step stalls first.
+/// Too much for the error control at a very small tolerance, whose bound on work is wide enough
+/// that the step stalls first.
 #[test]
 fn a_step_that_stalls_is_discarded() {
     let importer = fragile(Two, Handles::default(), 1e-10);
@@ -269,8 +276,8 @@ fn a_step_that_stalls_is_discarded() {
     importer.assert_logged("stalled at 0.0");
 }
 
-/// The work of a step is bounded. The largest loads exceed the bound within two milliseconds. With gentler loads the step can be repeated,
-/// without a stored state.
+/// The work of a step is bounded. The largest loads exceed the bound within two milliseconds. With
+/// gentler loads the step can be repeated, without a stored state.
 #[test]
 fn a_step_that_takes_too_much_work_is_discarded_and_can_be_repeated() {
     let required = ["primary.torque", "primary.speed"].map(reference);

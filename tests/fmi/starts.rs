@@ -10,7 +10,8 @@ use pushbelt_support::shared_library::{Library, OK, path};
 use crate::importer::{BOTH, Handles};
 use crate::variator::{Importer, reference};
 
-/// The log has what can hardly be meant, as a warning; a hopeless start is an error that names variable and value.
+/// The log has what can hardly be meant, as a warning; a hopeless start is an error that names
+/// variable and value.
 #[test]
 fn implausible_loads_are_logged() {
     let logged = |name: &str, value: f64, part: &str| {
@@ -35,7 +36,8 @@ fn implausible_loads_are_logged() {
     assert!(force.3.contains("kN"), "{}", force.3);
 }
 
-/// A belt that is clamped by pressures on no area: one warning without debug logging too, and the status stays OK; or an error.
+/// A belt that is clamped by pressures on no area: one warning without debug logging too, and the
+/// status stays OK; or an error.
 #[test]
 fn a_start_that_was_not_found_is_a_warning_or_an_error() {
     for version in BOTH {

@@ -7,7 +7,8 @@ use pushbelt::fmi::log::Status::{Error, Ok};
 use crate::importer::Handles;
 use crate::variator::{Importer, ramp, reference};
 
-/// In the ramp of the loads and after it, with a parameter that is not yet in force, also in the other version.
+/// In the ramp of the loads and after it, with a parameter that is not yet in force, also in the
+/// other version.
 #[test]
 fn a_state_is_continued_bit_for_bit_in_every_instance() {
     let importer = Importer::coarse(Two, Handles::default());
@@ -42,8 +43,8 @@ fn a_state_is_continued_bit_for_bit_in_every_instance() {
     }
 }
 
-/// Deliberately changed bytes with a valid checksum are refused, or give a state that runs or fails in the ordinary way: no
-/// panic, bounded memory, and steps that end.
+/// Deliberately changed bytes with a valid checksum are refused, or give a state that runs or fails
+/// in the ordinary way: no panic, bounded memory, and steps that end.
 #[test]
 fn manipulated_bytes_cause_no_panic_and_no_unbounded_work() {
     use proptest::prelude::{Just, Strategy, any, prop_oneof};
@@ -62,12 +63,14 @@ fn manipulated_bytes_cause_no_panic_and_no_unbounded_work() {
         bytes.extend(hash::of_words(bytes).to_le_bytes());
     };
     let importer = running(1);
-    // Numbers that no run produces, counts that exceed the memory, any eight bytes; no word is a flipped bit.
+    // Numbers that no run produces, counts that exceed the memory, any eight bytes; no word is a
+    // flipped bit.
     let wild = [f64::NAN, f64::INFINITY, f64::MAX, -1e300].map(f64::to_bits);
     let wild = [&wild[..], &[u64::MAX, 1 << 40]].concat();
     let word = prop_oneof![proptest::sample::select(wild), any::<u64>()];
     let harm = prop_oneof![1 => Just(None), 2 => word.prop_map(Some)];
-    // The head and the settings are short compared with the matrices: half of the changes are there.
+    // The head and the settings are short compared with the matrices: half of the changes are
+    // there.
     let place = prop_oneof![0..40_usize, 0..1000_usize];
     let cases = pushbelt_support::shared_library::count("PUSHBELT_STRANGERS", 300);
     let config = Config {

@@ -43,7 +43,8 @@ fn outputs_can_be_read_at_own_steps() {
     assert_eq!(*seen.last().expect("some"), (5e-3, outputs(&importer)));
 }
 
-/// A torque that rises within the step and is set at each own step is more accurate than one that is held.
+/// A torque that rises within the step and is set at each own step is more accurate than one that
+/// is held.
 #[test]
 fn inputs_can_change_within_a_step() {
     let torque = |time: f64| 50.0 + 2e4 * time;

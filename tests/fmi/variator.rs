@@ -78,7 +78,8 @@ impl Importer {
         assert_eq!(self.step(from, size).status, Ok, "{}", self.last());
     }
 
-    /// The bits of all real outputs and locals, fields along the belt included; the same in both versions.
+    /// The bits of all real outputs and locals, fields along the belt included; the same in both
+    /// versions.
     pub fn readings(&self) -> Vec<u64> {
         let table = VariatorUnit::table();
         let calculated = table.variables().iter().filter(|v| !v.causality.is_setting());
@@ -98,7 +99,8 @@ impl Importer {
         bits(self.derivatives(&real_outputs(), 1), self)
     }
 
-    /// Ten steps of 1 ms from a millisecond on with a load that grows; readings and derivatives after each.
+    /// Ten steps of 1 ms from a millisecond on with a load that grows; readings and derivatives
+    /// after each.
     pub fn run(&self, from: u32) -> Vec<Vec<u64>> {
         let step = |k: u32| {
             self.put("secondary.torque", -f64::from(k));

@@ -1,4 +1,5 @@
-//! Dependencies of the outputs in initialisation mode: those that the table declares, and those that are found by changes of each setting.
+//! Dependencies of the outputs in initialisation mode: those that the table declares, and those
+//! that are found by changes of each setting.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -102,8 +103,8 @@ fn found(table: &Table<Settings, Readings>, settings: &Settings) -> BTreeMap<Str
     depends
 }
 
-/// Every dependency that is found is declared, for shafts under torque or with a set point at the primary one; and each that is
-/// declared is found in one of the starts.
+/// Every dependency that is found is declared, for shafts under torque or with a set point at the
+/// primary one; and each that is declared is found in one of the starts.
 #[test]
 fn the_declared_dependencies_are_those_that_are_found() {
     use Value::{Boolean as B, Integer as I, Real as R};
@@ -178,7 +179,8 @@ fn the_declared_dependencies_are_those_that_are_found() {
     }
 }
 
-/// A set point at the secondary shaft alone: the primary speed is solved for, as the documentation says.
+/// A set point at the secondary shaft alone: the primary speed is solved for, as the documentation
+/// says.
 #[test]
 fn with_a_set_point_at_the_secondary_shaft_alone_the_primary_speed_depends_on_loads() {
     let table = VariatorUnit::table();

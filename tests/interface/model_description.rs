@@ -100,9 +100,10 @@ fn value_references_do_not_change() {
     }
 }
 
-/// A setting has a value without readings, nothing else has, and that value is legal: no tool detects a start value outside min and max.
-/// Every number that is set has a range. A calculated number has a nominal value within its range: importers scale by it, and the default 1
-/// is far from a slip of 0.003.
+/// A setting has a value without readings, nothing else has, and that value is legal: no tool
+/// detects a start value outside min and max. Every number that is set has a range. A calculated
+/// number has a nominal value within its range: importers scale by it, and the default 1 is far
+/// from a slip of 0.003.
 #[test]
 fn settings_have_legal_start_values_and_outputs_a_typical_size() {
     let mut settings = Settings::default();
@@ -126,8 +127,8 @@ fn settings_have_legal_start_values_and_outputs_a_typical_size() {
     assert_eq!(VariatorUnit::check(&settings), Ok(()));
 }
 
-/// Detects two rows bound to the same field, and a row bound to the wrong one: a value, of an enumeration each item, reads back from its own
-/// variable and from no other.
+/// Detects two rows bound to the same field, and a row bound to the wrong one: a value, of an
+/// enumeration each item, reads back from its own variable and from no other.
 #[test]
 fn each_setting_has_a_field_of_its_own() {
     let table = VariatorUnit::table();

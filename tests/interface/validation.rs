@@ -1,4 +1,5 @@
-//! Bad parameters and inputs: each is refused with a message that names variable, value and allowed range.
+//! Bad parameters and inputs: each is refused with a message that names variable, value and allowed
+//! range.
 
 use pushbelt::fmi::table::{Access, Kind};
 use pushbelt::variator::run::Variator;
@@ -21,7 +22,8 @@ fn accepted(change: impl FnOnce(&mut Parameters)) {
     assert_eq!(parameters.validate(), Ok(()));
 }
 
-/// Sets each number beyond its range: the error that `refused` returns names variable and value. How many numbers there are.
+/// Sets each number beyond its range: the error that `refused` returns names variable and value.
+/// How many numbers there are.
 fn refuse_beyond<S>(
     all: impl Iterator<Item = Setting<S>>,
     refused: impl Fn(&dyn Fn(&mut S)) -> ParameterError,
@@ -90,7 +92,8 @@ fn stiffness_mass_and_mesh_must_be_above_zero() {
     }
 }
 
-/// Parameters that don't fit each other: a change, the variable and value that the error names, and a part of the range.
+/// Parameters that don't fit each other: a change, the variable and value that the error names, and
+/// a part of the range.
 #[test]
 fn what_does_not_fit_is_named_with_variable_value_and_range() {
     type Case = (fn(&mut Parameters), &'static str, &'static str, &'static str);
@@ -190,7 +193,8 @@ fn what_does_not_fit_is_named_with_variable_value_and_range() {
     assert!(error.range.starts_with("below 0.194"), "{error}");
 }
 
-/// Limits, limit cases of theory, a loaded belt that rests some per cent beyond the stop, and the published reference belt.
+/// Limits, limit cases of theory, a loaded belt that rests some per cent beyond the stop, and the
+/// published reference belt.
 #[test]
 fn what_fits_is_accepted() {
     accepted(|p| p.geometry.wedge_angle = 0.12);

@@ -14,7 +14,8 @@ fn elastic(nu: f64) -> f64 {
     push_force(&belt(), [nu, 0.0]).force
 }
 
-/// In contact, at first touch and in a gap. The energy is zero at gaps of a tenth of the belt, the largest admissible play.
+/// In contact, at first touch and in a gap. The energy is zero at gaps of a tenth of the belt, the
+/// largest admissible play.
 #[test]
 fn push_force_is_the_derivative_of_the_energy() {
     let none = energy_density(&belt(), 0.9);
@@ -64,8 +65,8 @@ fn oil_opposes_closing_at_every_gap() {
     }
 }
 
-/// The force of the oil has the sign of the rate and is zero at rest. Where elements separate it is never stronger than cavitation
-/// allows, and across a wide gap only what smoothing leaves.
+/// The force of the oil has the sign of the rate and is zero at rest. Where elements separate it is
+/// never stronger than cavitation allows, and across a wide gap only what smoothing leaves.
 #[test]
 fn oil_dissipates_and_cavitates() {
     let oil = PushElements {
@@ -103,7 +104,8 @@ fn flux_takes_the_density_of_the_cell_upstream() {
     }
 }
 
-/// At rest the flux between equal cells is zero, and between others it is bounded by the width of the switch.
+/// At rest the flux between equal cells is zero, and between others it is bounded by the width of
+/// the switch.
 #[test]
 fn flux_at_rest_conserves() {
     assert_eq!(flux(&cell(0.0, 1.02), &cell(0.0, 1.02)), 0.0);

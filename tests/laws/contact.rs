@@ -29,7 +29,8 @@ fn figures<T: Real>(x: [T; 4]) -> [T; 4] {
 }
 
 /// Derivatives with respect to g, Dg/Dt, v_t and v_f against differences. Each
-/// difference has an error of at most 1e-6 of the force's change over the width of the law's transition.
+/// difference has an error of at most 1e-6 of the force's change over the width of the law's
+/// transition.
 fn assert_derivatives(x: [f64; 4]) {
     let widths = [contact().roughness, 1.0, friction().velocity, friction().velocity];
     let tangents = figures(std::array::from_fn(|i| Tangent::<4, f64>::seed(x[i], i, 1.0)));
@@ -47,7 +48,8 @@ fn assert_derivatives(x: [f64; 4]) {
     }
 }
 
-/// In stiction, sliding around and along the flank, at breaking contact, without contact and in deep contact.
+/// In stiction, sliding around and along the flank, at breaking contact, without contact and in
+/// deep contact.
 #[test]
 fn derivatives_in_each_regime() {
     let (v0, roughness) = (friction().velocity, contact().roughness);
@@ -69,7 +71,8 @@ fn axial(penetration: f64) -> f64 {
     force([penetration, 0.0, 0.0, 0.0]).normal * cos_beta()
 }
 
-/// The axial force of the flank on its sheave is −∂E/∂g, E by differentiation: in contact, at first touch and in a gap.
+/// The axial force of the flank on its sheave is −∂E/∂g, E by differentiation: in contact, at first
+/// touch and in a gap.
 #[test]
 fn normal_force_is_the_derivative_of_the_energy() {
     for penetration in [20.0, 500.0, 0.0, -20.0].map(|g| g * MICRON) {
@@ -103,8 +106,8 @@ fn friction_is_viscous_creep_in_stiction() {
     }
 }
 
-/// −μ(v) p |v| in every direction of sliding and at every penetration rate of the flanks; at the speed of the fall, half of the
-/// fall is reached.
+/// −μ(v) p |v| in every direction of sliding and at every penetration rate of the flanks; at the
+/// speed of the fall, half of the fall is reached.
 #[test]
 fn friction_dissipates_its_full_power_in_sliding() {
     let v = friction().fall_speed;
@@ -118,8 +121,8 @@ fn friction_dissipates_its_full_power_in_sliding() {
     }
 }
 
-/// In any motion, also where damping reduces the normal force, friction opposes sliding and is inside the cone, and damping
-/// opposes the penetration.
+/// In any motion, also where damping reduces the normal force, friction opposes sliding and is
+/// inside the cone, and damping opposes the penetration.
 #[test]
 fn friction_and_damping_never_supply_energy() {
     let mut random = noise(1);

@@ -1,5 +1,6 @@
-//! The laws of contact, chain and end stops and the reference curve, with a test for each regime: derivatives against differences, forces
-//! against the gradient of their energy, signs of losses. The suite of `paper` tests the beam of `ALE` with the other rings.
+//! The laws of contact, chain and end stops and the reference curve, with a test for each regime:
+//! derivatives against differences, forces against the gradient of their energy, signs of losses.
+//! The suite of `paper` tests the beam of `ALE` with the other rings.
 
 mod chain;
 mod contact;

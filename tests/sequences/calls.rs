@@ -15,7 +15,8 @@ pub enum Call {
     EnterStep,
     Terminate,
     Reset,
-    /// By how much a step begins late, its size, and the importer's action in its intermediate updates.
+    /// By how much a step begins late, its size, and the importer's action in its intermediate
+    /// updates.
     Step(f64, f64, Answer),
     /// Sets one of [`REALS`] to a share of its range.
     SetReal(usize, f64),
@@ -119,7 +120,8 @@ pub fn calls() -> impl Strategy<Value = Call> {
 /// Number of stored states.
 pub const SLOTS: usize = 3;
 
-/// Real settings, and limits between which they fit all others; other tests cover values that don't fit.
+/// Real settings, and limits between which they fit all others; other tests cover values that don't
+/// fit.
 pub const REALS: [(&str, f64, f64); 12] = [
     ("primary.torque", -300.0, 300.0),
     ("secondary.torque", -300.0, 300.0),

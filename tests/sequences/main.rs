@@ -1,8 +1,10 @@
-//! Call sequences in random order with random and bad arguments on a belt, in FMI 2.0 and in FMI 3.0 with an importer that handles events, early
-//! returns and intermediate updates, or some of them.
+//! Call sequences in random order with random and bad arguments on a belt, in FMI 2.0 and in FMI
+//! 3.0 with an importer that handles events, early returns and intermediate updates, or some of
+//! them.
 //!
-//! The long run: `PUSHBELT_SEQUENCES=100000 PUSHBELT_DEFAULT_SEQUENCES=1000 cargo test --test sequences`. A short run
-//! under valgrind is a test, too. Where valgrind is not installed it counts as ignored, and where `CI` is set it fails.
+//! The long run: `PUSHBELT_SEQUENCES=100000 PUSHBELT_DEFAULT_SEQUENCES=1000 cargo test --test
+//! sequences`. A short run under valgrind is a test, too. Where valgrind is not installed it counts
+//! as ignored, and where `CI` is set it fails.
 
 #![allow(unsafe_code, reason = "it calls C functions")]
 

@@ -1,5 +1,6 @@
-//! An importer that makes calls. Which calls a state allows, and what is refused, is tested on a toy in `crates/fmi`; here is what a belt alone
-//! can show: no call ends in a panic, a refused call has a reason in the log, and all values are numbers.
+//! An importer that makes calls. Which calls a state allows, and what is refused, is tested on a
+//! toy in `crates/fmi`; here is what a belt alone can show: no call ends in a panic, a refused call
+//! has a reason in the log, and all values are numbers.
 
 use std::cell::Cell;
 use std::ptr::null_mut;
@@ -76,7 +77,8 @@ fn reals(version: Version) -> Vec<(u32, usize)> {
 }
 
 impl<'a> RandomImporter<'a> {
-    /// An importer of a new instance; `modes`: whether it handles events, early returns and updates, in FMI 3.0.
+    /// An importer of a new instance; `modes`: whether it handles events, early returns and
+    /// updates, in FMI 3.0.
     pub fn new(version: Version, seen: &'a Seen, coarse: bool, modes: [bool; 3]) -> Self {
         let [events, early_return, updates] = modes.map(|mode| mode && version == Three);
         let required = ["primary.torque", "primary.speed"].map(reference);

@@ -1,5 +1,5 @@
-//! Starts at rest. Coulomb friction leaves the forces of a belt at rest open: a run starts with those of a belt that crept, and
-//! they hardly depend on how friction is regularised.
+//! Starts at rest. Coulomb friction leaves the forces of a belt at rest open: a run starts with
+//! those of a belt that crept, and they hardly depend on how friction is regularised.
 
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Parameters, RingModel, StartState};
 use pushbelt_support::checks::assert_close;
@@ -26,7 +26,8 @@ fn torque(torque: f64) -> Inputs {
     inputs((torque, 0.0), (0.0, FORCE))
 }
 
-/// The shafts follow set points: the primary one starts at `speed`, rad/s, the secondary one is free.
+/// The shafts follow set points: the primary one starts at `speed`, rad/s, the secondary one is
+/// free.
 fn led(speed: f64, velocity: f64) -> Run {
     let mut parameters = held(variator(RingModel::Ale), speed, velocity);
     parameters.primary.drive = Drive::Speed;
@@ -47,8 +48,8 @@ fn primary_force(run: &mut Run) -> f64 {
     run.variator.outputs().primary.axial_force
 }
 
-/// The axial force of a held sheave: the same within 5 % for all friction velocities, and that of a belt that runs slowly under
-/// sharp friction.
+/// The axial force of a held sheave: the same within 5 % for all friction velocities, and that of a
+/// belt that runs slowly under sharp friction.
 #[test]
 fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
     for model in MODELS {
@@ -63,7 +64,8 @@ fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
                 assert_eq!(run.outputs().start_state, expected, "{model:?}, {given} N·m");
                 primary_force(&mut run)
             };
-            // Half and double the speed of the belt that creeps into the start, and sharper friction.
+            // Half and double the speed of the belt that creeps into the start, and sharper
+            // friction.
             let [slow, fast] = [10.0, 40.0].map(|speed| force(speed, 1e-5));
             let at_rest = VELOCITIES.map(|velocity| force(0.0, velocity));
             println!(
@@ -78,8 +80,9 @@ fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
     }
 }
 
-/// What a launch loses depends on the friction velocity by less than 5 %, under a torque from the start on. After a start without torque
-/// the primary pulley slips at first, as after a stop, and the default loses less.
+/// What a launch loses depends on the friction velocity by less than 5 %, under a torque from the
+/// start on. After a start without torque the primary pulley slips at first, as after a stop, and
+/// the default loses less.
 #[test]
 fn a_launch_loses_as_much_under_sharp_friction() {
     for model in MODELS {
@@ -103,8 +106,9 @@ fn a_launch_loses_as_much_under_sharp_friction() {
     }
 }
 
-/// Stop and go: the axial force before a stop and after the next start is the same, and so is that of a run which starts at rest.
-/// While the belt stands, a run that has stopped and one that starts have about the same force, and lose little of it in a second.
+/// Stop and go: the axial force before a stop and after the next start is the same, and so is that
+/// of a run which starts at rest. While the belt stands, a run that has stopped and one that starts
+/// have about the same force, and lose little of it in a second.
 #[test]
 fn stop_and_go_returns_to_the_force() {
     for velocity in VELOCITIES {
@@ -141,8 +145,9 @@ fn stop_and_go_returns_to_the_force() {
     }
 }
 
-/// Under clamping forces on both sheaves a launch starts with these forces and a belt that carries its torque, and takes less work
-/// than from a belt without torque; torques that balance, or that friction holds, move nothing.
+/// Under clamping forces on both sheaves a launch starts with these forces and a belt that carries
+/// its torque, and takes less work than from a belt without torque; torques that balance, or that
+/// friction holds, move nothing.
 #[test]
 fn a_driven_belt_under_two_forces_carries_its_torque() {
     for model in MODELS {
@@ -187,7 +192,8 @@ fn real_time_starts_alike() {
     }
 }
 
-/// What a run says about its start at rest: its state and messages, the force of a pulley that it has.
+/// What a run says about its start at rest: its state and messages, the force of a pulley that it
+/// has.
 #[test]
 fn a_start_at_rest_is_reported() {
     use StartState::{Clamped, ReducedTorque, Unloaded};

@@ -1,4 +1,5 @@
-//! Runs continue under every kind of load and motion that an importer may connect to shafts and sheaves.
+//! Runs continue under every kind of load and motion that an importer may connect to shafts and
+//! sheaves.
 
 use pushbelt::variator::settings::RingModel::{self, Ale, Ale0};
 use pushbelt::variator::settings::{Axial, BeltKind, Drive, Inputs, Mode, Outputs, Parameters, StartState};
@@ -85,7 +86,8 @@ fn clamping_force_or_held_sheave_at_either_pulley() {
     }
 }
 
-/// Clamping forces that open or close a pulley bring it to its end stop and no further; the opposite force moves it away.
+/// Clamping forces that open or close a pulley bring it to its end stop and no further; the
+/// opposite force moves it away.
 #[test]
 fn end_stops_hold_and_are_left_again() {
     let to_overdrive = inputs((0.0, 20e3), (-30.0, 6e3));
@@ -135,8 +137,9 @@ fn a_launch_in_reverse_mirrors_a_launch_forward() {
     }
 }
 
-/// A run from a standstill starts with a clamped belt: the forces act, it hardly moves under opposite torques below its capacity, and
-/// a torque that acts at once takes no more work in the first millisecond than a jump at another time.
+/// A run from a standstill starts with a clamped belt: the forces act, it hardly moves under
+/// opposite torques below its capacity, and a torque that acts at once takes no more work in the
+/// first millisecond than a jump at another time.
 #[test]
 fn a_standstill_starts_clamped_and_holds_the_torque() {
     let pushbelt_as_chain = Parameters {
@@ -169,8 +172,8 @@ fn a_standstill_starts_clamped_and_holds_the_torque() {
     }
 }
 
-/// Regularised friction creeps where a real belt sticks: under forces that don't balance the ratio drifts at a
-/// standstill, nearly in proportion to the friction velocity.
+/// Regularised friction creeps where a real belt sticks: under forces that don't balance the ratio
+/// drifts at a standstill, nearly in proportion to the friction velocity.
 #[test]
 fn at_standstill_the_ratio_creeps_with_the_friction_velocity() {
     for model in MODELS {
@@ -192,7 +195,8 @@ fn at_standstill_the_ratio_creeps_with_the_friction_velocity() {
     }
 }
 
-/// A run with the primary sheave held, whose set point brings the primary shaft from rest to speed, 400 rad/s in a second.
+/// A run with the primary sheave held, whose set point brings the primary shaft from rest to speed,
+/// 400 rad/s in a second.
 fn brought_to_speed(mut parameters: Parameters, span: f64, step: f64) -> Run {
     (parameters.primary.drive, parameters.primary.axial) = (Drive::Speed, Axial::Held);
     let mut still = inputs((0.0, 0.0), (-10.0, 9e3));
@@ -215,8 +219,8 @@ fn a_sheave_held_from_a_standstill_has_its_ratio() {
     }
 }
 
-/// The work of inputs that change in proportion to time is that over the whole step: a clamping force that rises and falls at
-/// low speed, a shaft brought to speed by its set point.
+/// The work of inputs that change in proportion to time is that over the whole step: a clamping
+/// force that rises and falls at low speed, a shaft brought to speed by its set point.
 #[test]
 fn energy_balance_under_ramped_inputs() {
     for model in MODELS {
@@ -239,7 +243,8 @@ fn energy_balance_under_ramped_inputs() {
     }
 }
 
-/// Clamping forces fall to zero at speed, and the belt transmits almost nothing and slips. They return, and it grips.
+/// Clamping forces fall to zero at speed, and the belt transmits almost nothing and slips. They
+/// return, and it grips.
 #[test]
 fn the_belt_slips_without_clamping_forces_and_grips_again_with_them() {
     for model in MODELS {
@@ -266,9 +271,10 @@ fn the_belt_slips_without_clamping_forces_and_grips_again_with_them() {
     }
 }
 
-/// A strand under net compression, Q > T, would buckle, and a chain without tension would be slack: a warning. Friction alone keeps
-/// T − Q above σV². Compression requires a load that reverses suddenly while the clamping force falls, at a low speed, and elements
-/// without damping by oil, a chain without damping.
+/// A strand under net compression, Q > T, would buckle, and a chain without tension would be slack:
+/// a warning. Friction alone keeps T − Q above σV². Compression requires a load that reverses
+/// suddenly while the clamping force falls, at a low speed, and elements without damping by oil, a
+/// chain without damping.
 #[test]
 fn a_strand_that_would_buckle_or_be_slack_gives_a_warning() {
     for (mut parameters, force, text) in [
@@ -300,7 +306,8 @@ fn a_strand_that_would_buckle_or_be_slack_gives_a_warning() {
     }
 }
 
-/// A run at the forces of the solved equilibrium keeps its ratio, which may be far from the ratio at which the search starts.
+/// A run at the forces of the solved equilibrium keeps its ratio, which may be far from the ratio
+/// at which the search starts.
 #[test]
 fn a_start_in_equilibrium_stays_there() {
     for (mut parameters, force) in [
@@ -347,7 +354,8 @@ fn a_start_in_equilibrium_at_an_end_stop_stays_there() {
     }
 }
 
-/// A loaded belt rests beyond the end stop of the unloaded curve, and a run may start from its ratio there.
+/// A loaded belt rests beyond the end stop of the unloaded curve, and a run may start from its
+/// ratio there.
 #[test]
 fn a_run_may_start_beyond_an_end_stop() {
     for model in MODELS {
@@ -361,8 +369,8 @@ fn a_run_may_start_beyond_an_end_stop() {
     }
 }
 
-/// A start from the steady state at held ratio is at rest from the first step on, with a secondary shaft under torque or with a set
-/// point, and a prescribed torque or speed of the primary.
+/// A start from the steady state at held ratio is at rest from the first step on, with a secondary
+/// shaft under torque or with a set point, and a prescribed torque or speed of the primary.
 #[test]
 fn a_steady_start_is_at_rest() {
     for model in MODELS {
@@ -402,7 +410,8 @@ fn a_steady_start_is_at_rest() {
     }
 }
 
-/// Shafts held at speeds 12 % apart have a steady state, in which the belt slips through: reported from the start.
+/// Shafts held at speeds 12 % apart have a steady state, in which the belt slips through: reported
+/// from the start.
 #[test]
 fn a_start_in_macro_slip_is_reported() {
     for model in MODELS {
@@ -420,7 +429,8 @@ fn a_start_in_macro_slip_is_reported() {
     }
 }
 
-/// Torque beyond capacity has no steady state: the run starts from the nearest one and reports it with the reason.
+/// Torque beyond capacity has no steady state: the run starts from the nearest one and reports it
+/// with the reason.
 #[test]
 fn torque_beyond_capacity_starts_from_the_nearest_state() {
     for model in MODELS {
@@ -441,8 +451,8 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
     }
 }
 
-/// Beyond capacity a pulley with a free speed runs away until drag balances its torque, at four times the requested speed.
-/// That steady state is rejected as a start.
+/// Beyond capacity a pulley with a free speed runs away until drag balances its torque, at four
+/// times the requested speed. That steady state is rejected as a start.
 #[test]
 fn a_state_with_a_runaway_pulley_is_rejected_as_a_start() {
     let mut parameters = variator(Ale);
@@ -502,7 +512,8 @@ fn starts() -> [Start; 7] {
     ]
 }
 
-/// Also in real time: a coupled circuit reads no flow before the first step. The belt of a clamped start keeps its forces.
+/// Also in real time: a coupled circuit reads no flow before the first step. The belt of a clamped
+/// start keeps its forces.
 #[test]
 fn sheaves_are_at_rest_at_the_start() {
     for model in MODELS {
@@ -531,7 +542,8 @@ fn sheaves_are_at_rest_at_the_start() {
     }
 }
 
-/// One warning where the start is another one than was asked for; with `initial.strict` it is an error.
+/// One warning where the start is another one than was asked for; with `initial.strict` it is an
+/// error.
 #[test]
 fn another_start_is_one_warning_or_an_error() {
     for model in MODELS {
@@ -556,7 +568,8 @@ fn another_start_is_one_warning_or_an_error() {
     }
 }
 
-/// One sheave or both, also where they tilt at once: the spring that holds the ratio of the search made a soft primary one ring.
+/// One sheave or both, also where they tilt at once: the spring that holds the ratio of the search
+/// made a soft primary one ring.
 #[test]
 fn soft_sheaves_have_a_steady_start() {
     for model in MODELS {

@@ -1,4 +1,5 @@
-//! The pull chain: what a pushbelt has not, its losses, bending, mesh, the manoeuvre. Other files test laws of both belts.
+//! The pull chain: what a pushbelt has not, its losses, bending, mesh, the manoeuvre. Other files
+//! test laws of both belts.
 
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_support::checks::{assert_close, assert_mirrored};
@@ -7,12 +8,14 @@ use pushbelt_support::run::{Run, started};
 use pushbelt_support::steady::{Steady, transmitting};
 use pushbelt_support::variators::{MODELS, SPEED, chain, inputs};
 
-/// The steady state at a ratio with a torque on the primary shaft, N·m; the secondary shaft turns at `speed`/ratio.
+/// The steady state at a ratio with a torque on the primary shaft, N·m; the secondary shaft turns
+/// at `speed`/ratio.
 fn driven(parameters: &Parameters, ratio: f64, torque: f64, speed: f64) -> Steady {
     transmitting(parameters, ratio, 11e3, torque, speed)
 }
 
-/// What a chain has not reads 0, its pins move with it, power balances, and reverse running mirrors it.
+/// What a chain has not reads 0, its pins move with it, power balances, and reverse running mirrors
+/// it.
 #[test]
 fn a_steady_chain_balances_its_power() {
     for model in MODELS {
@@ -84,7 +87,8 @@ fn loss_of_the_joints_is_that_of_their_law() {
     }
 }
 
-/// Five times the bending stiffness and a quarter of the elements' length change the thrust ratio little.
+/// Five times the bending stiffness and a quarter of the elements' length change the thrust ratio
+/// little.
 #[test]
 fn bending_is_negligible_and_the_mesh_fine_enough() {
     for (model, ratios, change, allowed) in [
@@ -108,7 +112,8 @@ fn bending_is_negligible_and_the_mesh_fine_enough() {
     }
 }
 
-/// Launch, shift, torque reversal, over-torque and recovery: energy is balanced, and the chain keeps its tension.
+/// Launch, shift, torque reversal, over-torque and recovery: energy is balanced, and the chain
+/// keeps its tension.
 #[test]
 fn energy_balance_of_the_manoeuvre() {
     for model in MODELS {

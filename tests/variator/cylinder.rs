@@ -84,8 +84,8 @@ fn pressures_and_forces_give_the_same_bits() {
     }
 }
 
-/// What the oil supplies is the work on the sheave, less what spring, rotating oil, seals and clamp supply: at each point of a shift, and
-/// over it in the energy balance.
+/// What the oil supplies is the work on the sheave, less what spring, rotating oil, seals and clamp
+/// supply: at each point of a shift, and over it in the energy balance.
 #[test]
 fn power_of_the_oil_is_the_work_on_the_sheave() {
     for model in MODELS {
@@ -129,7 +129,8 @@ fn entry(matrix: &Arrow, row: usize, column: usize) -> f64 {
     product[row]
 }
 
-/// The rows of the sheaves against a cylinder's derivatives by dual numbers, and the whole Jacobian against differences.
+/// The rows of the sheaves against a cylinder's derivatives by dual numbers, and the whole Jacobian
+/// against differences.
 #[test]
 fn derivatives_of_a_cylinder() {
     let (alpha, beta) = (1e4, 1e-4);
@@ -160,8 +161,9 @@ fn derivatives_of_a_cylinder() {
     }
 }
 
-/// A slow triangle of the primary pressure: where the sheave passes a place on its ways in and out, the force of the pressure beyond the
-/// belt's differs by twice the friction of the seals more than without it.
+/// A slow triangle of the primary pressure: where the sheave passes a place on its ways in and out,
+/// the force of the pressure beyond the belt's differs by twice the friction of the seals more than
+/// without it.
 #[test]
 fn seals_make_a_hysteresis_of_thrust_over_position() {
     let (seal, area) = (400.0, 0.01);
@@ -304,7 +306,8 @@ fn a_pressure_that_opens_a_pulley_is_warned_about_once() {
     assert!(!run.reported("opens"));
 }
 
-/// A piston without area, from the start, where the start fails for it, later in the run, of one pulley or both.
+/// A piston without area, from the start, where the start fails for it, later in the run, of one
+/// pulley or both.
 #[test]
 fn a_pressure_without_an_area_is_warned_about_once() {
     for (mode, area) in [
@@ -359,7 +362,8 @@ fn stored_states_have_cylinders_and_pressures() {
     }
 }
 
-/// A pressure acts as its force does, and the flow is that of the sheave's speed. The held point is one of pressures.
+/// A pressure acts as its force does, and the flow is that of the sheave's speed. The held point is
+/// one of pressures.
 #[test]
 fn the_linear_model_has_pressures_and_flows() {
     let given = by_pressure(inputs((50.0, 13e3), (-49.0, 10e3)), CYLINDER.area);

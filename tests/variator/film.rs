@@ -1,4 +1,5 @@
-//! End play that is free: gaps, idle arcs, slip and traction of the default film, beside what was measured on belts.
+//! End play that is free: gaps, idle arcs, slip and traction of the default film, beside what was
+//! measured on belts.
 
 use pushbelt::variator::settings::{Inputs, RingModel};
 use pushbelt_support::checks::assert_close;
@@ -6,8 +7,8 @@ use pushbelt_support::film::{RATIOS, SHARES, film_variator, least_push, near_pea
 use pushbelt_support::run::started;
 use pushbelt_support::variators::{MODELS, variator};
 
-/// Oil between faces that neither approach nor slide bears nothing: in a loosely clamped belt some elements are free. −19 N is
-/// atmospheric pressure on a face.
+/// Oil between faces that neither approach nor slide bears nothing: in a loosely clamped belt some
+/// elements are free. −19 N is atmospheric pressure on a face.
 #[test]
 fn some_elements_of_a_loose_belt_are_free() {
     for model in MODELS {
@@ -16,7 +17,8 @@ fn some_elements_of_a_loose_belt_are_free() {
     }
 }
 
-/// Half of the primary arc is idle at half load, and less of it at a higher torque (Trans. JSAE 40(4) 1029).
+/// Half of the primary arc is idle at half load, and less of it at a higher torque (Trans. JSAE
+/// 40(4) 1029).
 #[test]
 fn the_idle_arc_shrinks_as_the_torque_rises() {
     let variator = film_variator(RingModel::Ale);
@@ -27,7 +29,8 @@ fn the_idle_arc_shrinks_as_the_torque_rises() {
     assert!(found.is_sorted_by(|a, b| a >= b), "{found:?}");
 }
 
-/// 0.2 mm more play adds 0.4 to 0.5 points of slip (Kobayashi et al., SAE 980822); in the model 0.28, with `ALE0` 0.25 at least.
+/// 0.2 mm more play adds 0.4 to 0.5 points of slip (Kobayashi et al., SAE 980822); in the model
+/// 0.28, with `ALE0` 0.25 at least.
 #[test]
 fn slip_grows_with_the_play() {
     for (model, least) in [(RingModel::Ale, 0.0028), (RingModel::Ale0, 0.0025)] {
@@ -41,7 +44,8 @@ fn slip_grows_with_the_play() {
     }
 }
 
-/// Measured belts slip by 2 to 4 % near the peak of traction in underdrive, and by 1 to 2 % in overdrive.
+/// Measured belts slip by 2 to 4 % near the peak of traction in underdrive, and by 1 to 2 % in
+/// overdrive.
 #[test]
 fn traction_peaks_at_more_slip_in_underdrive() {
     let variator = film_variator(RingModel::Ale);
@@ -49,8 +53,8 @@ fn traction_peaks_at_more_slip_in_underdrive() {
     assert!(low >= 0.017 && (0.01..low).contains(&high), "{low} {high}");
 }
 
-/// The gaps of the profile add up to the play, the stretch of a deflecting ring and what the stack is compressed by. In contact there
-/// are none.
+/// The gaps of the profile add up to the play, the stretch of a deflecting ring and what the stack
+/// is compressed by. In contact there are none.
 #[test]
 fn the_gaps_of_the_profile_add_up_to_the_play() {
     for model in MODELS {

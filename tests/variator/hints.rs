@@ -1,10 +1,12 @@
-//! Hopeless starts are seen before anything is solved, and loads that can hardly be meant are remarked upon once.
+//! Hopeless starts are seen before anything is solved, and loads that can hardly be meant are
+//! remarked upon once.
 
 use pushbelt::variator::settings::{Drive, Inputs, Parameters, RingModel, StartState};
 use pushbelt_support::run::{Run, restored, tried};
 use pushbelt_support::variators::{MODELS, SPEED, coarse, inputs, variator};
 
-/// Far beyond capacity, or at a speed that breaks the ring: the error has variable, value and what would do.
+/// Far beyond capacity, or at a speed that breaks the ring: the error has variable, value and what
+/// would do.
 #[test]
 fn a_hopeless_start_is_refused() {
     let refused = |parameters: Parameters, given: Inputs, texts: [&str; 3]| {
@@ -42,7 +44,8 @@ fn torques_beyond_capacity_are_not_tried() {
     assert!(error.is_none() && residuals < 5_000, "{residuals} {error:?}");
 }
 
-/// Nothing clamps the belt: its elements leave each other before the run, so that the first step is an ordinary one.
+/// Nothing clamps the belt: its elements leave each other before the run, so that the first step is
+/// an ordinary one.
 #[test]
 fn a_slack_belt_at_rest_takes_its_first_step() {
     for model in MODELS {

@@ -15,7 +15,8 @@ use pushbelt_support::disturbed::{
 
 const KINDS: [BeltKind; 2] = [BeltKind::PushBelt, BeltKind::PullChain];
 
-/// Small variators of a kind: `ALE`, `ALE` in space, `ALE0` between sheaves of which one hardly tilts.
+/// Small variators of a kind: `ALE`, `ALE` in space, `ALE0` between sheaves of which one hardly
+/// tilts.
 fn variators(kind: BeltKind) -> [Parameters; 3] {
     let [ale, mut space, mut ale0] =
         [RingModel::Ale, RingModel::Ale, RingModel::Ale0].map(|model| Parameters { kind, ..small(model) });
@@ -24,7 +25,8 @@ fn variators(kind: BeltKind) -> [Parameters; 3] {
     [ale, space, ale0]
 }
 
-/// Those of forward differentiation, and after an update of the constitutive tangents alone the current ones.
+/// Those of forward differentiation, and after an update of the constitutive tangents alone the
+/// current ones.
 #[test]
 fn hand_written_derivatives_are_exact() {
     let rings: [(Arc<dyn BeltRing>, Equations); 3] = [
@@ -40,8 +42,9 @@ fn hand_written_derivatives_are_exact() {
     }
 }
 
-/// Where a cell begins to slip, the constitutive tangents are updated; after another step size or a rotation of the ring, and where
-/// Θ or the centres of arcs have changed, the geometry is evaluated again.
+/// Where a cell begins to slip, the constitutive tangents are updated; after another step size or a
+/// rotation of the ring, and where Θ or the centres of arcs have changed, the geometry is evaluated
+/// again.
 #[test]
 fn cached_derivatives_are_used_until_the_geometry_changes() {
     let renewed = |system: &mut VariatorSystem, state: &State, alpha: f64| {

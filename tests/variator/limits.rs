@@ -11,8 +11,8 @@ use pushbelt_support::variators::{
     MODELS, SPEED, belt_alone, chain, coarse, full_slip_torque, inputs, rigid, variator,
 };
 
-/// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S from
-/// (F − σV²)α/(2 tan β).
+/// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S
+/// from (F − σV²)α/(2 tan β).
 fn off_frictionless(
     parameters: &Parameters,
     ratio: f64,
@@ -23,7 +23,8 @@ fn off_frictionless(
     (parameters.friction.pulley, parameters.friction.ring) = (1e-9, 0.0);
     parameters.contact.stiffness = contact_stiffness;
     parameters.mesh = parameters.mesh.refined(refinement);
-    // The law neglects bending, whose share of the strand force, EI/(F r²), is 0.5 % for this ring on the small pulley.
+    // The law neglects bending, whose share of the strand force, EI/(F r²), is 0.5 % for this ring
+    // on the small pulley.
     parameters.ring.bending_stiffness = 1e-3;
     let state = turning(&parameters, ratio, 10e3, speeds(ratio, SPEED));
     let stations = state.stations();
@@ -43,8 +44,9 @@ fn off_frictionless(
     ]
 }
 
-/// Without friction F_P/F_S = α_P/α_S and, of a pushbelt, S = (F − σV²)α/(2 tan β). A compliant flank presses beside the arc too, over
-/// √(2 r g/tan β): the law is the limit of stiff contact on a mesh that resolves this edge.
+/// Without friction F_P/F_S = α_P/α_S and, of a pushbelt, S = (F − σV²)α/(2 tan β). A compliant
+/// flank presses beside the arc too, over √(2 r g/tan β): the law is the limit of stiff contact on
+/// a mesh that resolves this edge.
 #[test]
 fn without_friction_the_thrust_ratio_is_that_of_the_wrap_angles() {
     let worst = |parameters: &Parameters, stiffness: f64, refinement: i32| {
@@ -71,12 +73,14 @@ fn without_friction_the_thrust_ratio_is_that_of_the_wrap_angles() {
     }
 }
 
-/// A pulley on which the whole belt slides tangentially transmits T = 2μSR/cos β, in the direction of sliding.
+/// A pulley on which the whole belt slides tangentially transmits T = 2μSR/cos β, in the direction
+/// of sliding.
 #[test]
 fn a_pulley_that_slips_all_around_transmits_its_capacity() {
     for parameters in MODELS.map(variator).into_iter().chain(MODELS.map(chain)) {
         let parameters = belt_alone(parameters);
-        // The smaller pulley slips. At a slip far above micro-slip, friction has no radial component.
+        // The smaller pulley slips. At a slip far above micro-slip, friction has no radial
+        // component.
         for (ratio, slip) in [(0.5, 0.5), (2.0, 0.5), (2.0, -0.5)] {
             if ratio < 1.0 && parameters.kind == BeltKind::PullChain {
                 continue;
@@ -94,8 +98,9 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
     }
 }
 
-/// Torque over 2μSR/cos β of the pulley that slips more, if it slips all around. (On the other one elements may have gaps
-/// before the entry: they move with the sheave until they reach the pushing stack.)
+/// Torque over 2μSR/cos β of the pulley that slips more, if it slips all around. (On the other one
+/// elements may have gaps before the entry: they move with the sheave until they reach the pushing
+/// stack.)
 fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
     // Strand elements beside the arc hardly press, and their sliding is not considered.
     let sliding = &run.variator.energy_balance().last.sums.sliding;
@@ -110,8 +115,8 @@ fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
     full.then(|| pulley.shaft_torque.abs() / full_slip_torque(run.variator.parameters(), pulley))
 }
 
-/// With the secondary in speed drive and the primary driven beyond capacity, a pulley that slips all around takes
-/// T = 2μSR/cos β; afterwards the belt grips again.
+/// With the secondary in speed drive and the primary driven beyond capacity, a pulley that slips
+/// all around takes T = 2μSR/cos β; afterwards the belt grips again.
 #[test]
 fn over_torque_slips_at_capacity_and_recovers() {
     for model in MODELS {
@@ -147,10 +152,12 @@ fn over_torque_slips_at_capacity_and_recovers() {
 /// Factors on F_P.
 const STEPS: [f64; 4] = [0.99, 0.995, 1.005, 1.01];
 
-/// Geometric ratio of the steps. At 1 the direction of ring friction changes, and the equilibrium has a step.
+/// Geometric ratio of the steps. At 1 the direction of ring friction changes, and the equilibrium
+/// has a step.
 const RATIO: f64 = 1.25;
 
-/// The variator of the theory, without ring friction and play, with which the equilibrium would depend on force and speed.
+/// The variator of the theory, without ring friction and play, with which the equilibrium would
+/// depend on force and speed.
 fn of_theory(model: RingModel) -> Parameters {
     let mut parameters = belt_alone(variator(model));
     parameters.friction.ring = 0.0;
@@ -175,8 +182,8 @@ fn balanced(model: RingModel, omega: f64) -> Run {
     run
 }
 
-/// d ln i_g/dt, ln i_F and ln i_g in the middle of `turns` belt turns, two turns after a step of F_P by `factor`: within
-/// these two turns the distribution of sliding settles.
+/// d ln i_g/dt, ln i_F and ln i_g in the middle of `turns` belt turns, two turns after a step of
+/// F_P by `factor`: within these two turns the distribution of sliding settles.
 fn shift(balanced: &Run, omega: f64, factor: f64, turns: [f64; 2]) -> [f64; 3] {
     let mut run = balanced.clone();
     run.inputs.primary.clamping_force *= factor;
@@ -206,8 +213,9 @@ fn equilibrium_slope(model: RingModel, omega: f64) -> f64 {
     (high.0 - low.0) / (high.1 - low.1)
 }
 
-/// Coefficients c of d ln i_g/dt = c ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq) for small steps of either sign, in ascending
-/// order of F_P. The equilibrium is that of the present ratio: that of the run without a step, corrected for the ratio.
+/// Coefficients c of d ln i_g/dt = c ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq) for small steps of either
+/// sign, in ascending order of F_P. The equilibrium is that of the present ratio: that of the run
+/// without a step, corrected for the ratio.
 fn shift_coefficients(model: RingModel, omega: f64, turns: [f64; 2]) -> [f64; 4] {
     let run = balanced(model, omega);
     let slope = equilibrium_slope(model, omega);
@@ -222,15 +230,16 @@ fn shift_coefficients(model: RingModel, omega: f64, turns: [f64; 2]) -> [f64; 4]
     })
 }
 
-/// Carbone, Mangialardi, Mantriota 2005: in creep mode di/dt ∝ ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq). It results from the
-/// sliding that the tilted sheaves impose on the belt in every turn.
+/// Carbone, Mangialardi, Mantriota 2005: in creep mode di/dt ∝ ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq).
+/// It results from the sliding that the tilted sheaves impose on the belt in every turn.
 #[test]
 fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrust() {
     let [slow, fast] = [0.5, 1.0].map(|share| shift_coefficients(RingModel::Ale, share * SPEED, [2.0, 4.0]));
     let later = shift_coefficients(RingModel::Ale, SPEED, [4.0, 12.0]);
     for c in [slow, fast] {
         let mean = 0.5 * (c[1] + c[2]);
-        // The coefficients of opposite steps differ by an amount of the order of the step, at most 6 times it.
+        // The coefficients of opposite steps differ by an amount of the order of the step, at most
+        // 6 times it.
         for (k, step) in [(0, 0.01), (1, 0.005), (2, 0.005), (3, 0.01)] {
             assert_close(c[k], mean, 6.0 * step, "coefficient of a step");
         }
@@ -243,8 +252,9 @@ fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrus
     }
 }
 
-/// Circles about free centres (`ALE0`) have the sliding that tilted sheaves impose on the belt, so they shift as fast as the
-/// deflecting ring. Circles about the axes shifted some fifty times slower, because the belt stuck.
+/// Circles about free centres (`ALE0`) have the sliding that tilted sheaves impose on the belt, so
+/// they shift as fast as the deflecting ring. Circles about the axes shifted some fifty times
+/// slower, because the belt stuck.
 #[test]
 fn arcs_about_free_centres_shift_as_the_deflecting_ring_does() {
     for (s, force) in [(0.6, 8e3), (1.0, 12e3), (1.8, 20e3)] {

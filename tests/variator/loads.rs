@@ -61,8 +61,9 @@ fn work(model: RingModel, mut lengths: impl FnMut(u32) -> f64, end: f64) -> [u64
     [work.residuals, work.factorizations]
 }
 
-/// Irregular communication steps take at most 1.3 times the work, residuals and 12 for each Jacobian, of equal ones with the same mean:
-/// random ones of 0.055 to 0.145 ms, and 0.33 and 2.17 ms in turn.
+/// Irregular communication steps take at most 1.3 times the work, residuals and 12 for each
+/// Jacobian, of equal ones with the same mean: random ones of 0.055 to 0.145 ms, and 0.33 and 2.17
+/// ms in turn.
 fn irregular_steps(model: RingModel, random: u64, in_turn: u64) {
     let total = |[residuals, jacobians]: [u64; 2]| residuals + 12 * jacobians;
     let mut noise = noise(1);
@@ -98,8 +99,8 @@ fn ramping(ramp: f64) -> Parameters {
     parameters
 }
 
-/// Torque and forces change at communication steps of several lengths: at the end of each step the input has the set value,
-/// the energy balance holds, and the result hardly depends on the ramp.
+/// Torque and forces change at communication steps of several lengths: at the end of each step the
+/// input has the set value, the energy balance holds, and the result hardly depends on the ramp.
 #[test]
 fn held_inputs_reach_their_values_and_the_energy_balance_holds() {
     let speeds = [0.0, 1e-3, 3e-3, -1.0].map(|ramp| {
@@ -139,8 +140,8 @@ fn derivatives_take_precedence_over_the_ramp() {
     }
 }
 
-/// A hunting clutch takes more work than real time allows. The remark counts work, so it is the same on a busy machine and after
-/// a state was stored and restored.
+/// A hunting clutch takes more work than real time allows. The remark counts work, so it is the
+/// same on a busy machine and after a state was stored and restored.
 #[test]
 fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
     let mut driven = Driven::new(LoadHistory::Hunting, variator(RingModel::Ale), 2.2);

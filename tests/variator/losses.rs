@@ -1,5 +1,5 @@
-//! Drag of the shafts, friction between the layers of the ring, and elements that start and stop turning: their values, the energy balance with them, and
-//! agreement with their laws.
+//! Drag of the shafts, friction between the layers of the ring, and elements that start and stop
+//! turning: their values, the energy balance with them, and agreement with their laws.
 
 use std::f64::consts::TAU;
 
@@ -14,13 +14,14 @@ use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, inputs, var
 /// 1 rpm, rad/s.
 const RPM: f64 = TAU / 60.0;
 
-/// Running without load at the secondary shaft: a ratio, a clamping force, N, a primary speed, rad/s.
+/// Running without load at the secondary shaft: a ratio, a clamping force, N, a primary speed,
+/// rad/s.
 fn idling(parameters: &Parameters, ratio: f64, force: f64, speed: f64) -> Steady {
     loaded(parameters, ratio, force, 0.0, speed)
 }
 
-/// Mean pull of a strand on the pulleys, N: tension less push force and less m v² of the belt's own mass. Segment 1
-/// is the upper strand, 3 the lower one.
+/// Mean pull of a strand on the pulleys, N: tension less push force and less m v² of the belt's own
+/// mass. Segment 1 is the upper strand, 3 the lower one.
 fn pull(state: &Steady, segment: usize) -> f64 {
     let p = &state.system.parameters;
     let ring = p.ring.mass_per_length * state.outputs.ring_speed.powi(2);
@@ -34,9 +35,10 @@ fn pull(state: &Steady, segment: usize) -> f64 {
     sum / length
 }
 
-/// The torque of a rig that turns the variator without load at ratio 1 under 10 kN: the loss of the belt, and on each shaft
-/// seals, oil, and bearings under the pull of both strands. Without turning elements, which add 0.043 N·m at 2000 rpm and grow
-/// with the square of the speed, the torque hardly depends on it, since the clamping force is constant.
+/// The torque of a rig that turns the variator without load at ratio 1 under 10 kN: the loss of the
+/// belt, and on each shaft seals, oil, and bearings under the pull of both strands. Without turning
+/// elements, which add 0.043 N·m at 2000 rpm and grow with the square of the speed, the torque
+/// hardly depends on it, since the clamping force is constant.
 #[test]
 fn torque_that_turns_the_variator_without_load() {
     for (rpm, still) in [(500.0, 1.14), (2000.0, 1.26), (5000.0, 1.50)] {
@@ -76,7 +78,8 @@ fn pressing(state: &Steady) -> PerPulley<f64> {
     sums
 }
 
-/// μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α of the arc with the smaller friction on the layers.
+/// μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α of the arc with the smaller friction on the
+/// layers.
 #[test]
 fn loss_of_the_layers_is_that_of_their_law() {
     for model in MODELS {
@@ -94,7 +97,8 @@ fn loss_of_the_layers_is_that_of_their_law() {
             let expected = layers.friction * slip * 0.5 * f64::from(layers.count - 1) * weaker;
             assert_close(o.losses.layers, expected, 0.04, "loss of the layers");
             if torque == 0.0 {
-                // In overdrive drag is a third of the loss and layers a tenth: the power balance closes only with them.
+                // In overdrive drag is a third of the loss and layers a tenth: the power balance
+                // closes only with them.
                 let supplied = state.external_torques().primary * SPEED;
                 assert!(o.losses.layers > 0.05 * supplied && o.losses.shafts > 0.2 * supplied);
                 assert_close(o.losses.total(), supplied, 0.01, "lost power");
@@ -111,9 +115,9 @@ fn loss_of_the_layers_is_that_of_their_law() {
 /// Moment of inertia of elements of 2 g and 12 mm about their rocking edge, kg·m².
 const INERTIA: f64 = 2.6e-8;
 
-/// Elements per second times I (V/R)² of both arcs: in overdrive a torque of some 0.3 N·m at 2000 rpm and 2 N·m at
-/// 5000 rpm, which grows with the square of the speed. The primary shaft supplies it: what remains of the power balance is what remains
-/// without it.
+/// Elements per second times I (V/R)² of both arcs: in overdrive a torque of some 0.3 N·m at 2000
+/// rpm and 2 N·m at 5000 rpm, which grows with the square of the speed. The primary shaft supplies
+/// it: what remains of the power balance is what remains without it.
 #[test]
 fn loss_of_turning_elements_is_that_of_their_law() {
     for model in MODELS {
@@ -162,9 +166,10 @@ fn loss_of_turning_elements_is_that_of_their_law() {
     }
 }
 
-/// A variator with its shafts has a smaller loss than that measured on a whole transmission at the same ratios, speeds and
-/// torques (NREL ADVISOR, TX_CVT50_SUBARU), with 1.3 times the clamping force of full slip and at least 4 kN. The loss of
-/// turning elements is left out, since it is an upper bound: with it the variator has 0.945 at ratio 0.5 and 41 N·m.
+/// A variator with its shafts has a smaller loss than that measured on a whole transmission at the
+/// same ratios, speeds and torques (NREL ADVISOR, TX_CVT50_SUBARU), with 1.3 times the clamping
+/// force of full slip and at least 4 kN. The loss of turning elements is left out, since it is an
+/// upper bound: with it the variator has 0.945 at ratio 0.5 and 41 N·m.
 #[test]
 fn a_variator_loses_less_than_a_whole_transmission() {
     let measured = [
@@ -228,7 +233,8 @@ fn energy_balance_with_all_losses() {
     }
 }
 
-/// The external torque in speed drive is the belt's torque and the drag; the drags of both shafts are the loss.
+/// The external torque in speed drive is the belt's torque and the drag; the drags of both shafts
+/// are the loss.
 #[test]
 fn the_reaction_in_speed_drive_includes_the_drag() {
     for model in MODELS {

@@ -1,4 +1,5 @@
-//! The variator in runs and steady states. One binary, because compiling each of these files alone takes longer than its tests.
+//! The variator in runs and steady states. One binary, because compiling each of these files alone
+//! takes longer than its tests.
 
 mod at_rest;
 mod boundaries;

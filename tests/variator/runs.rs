@@ -1,4 +1,5 @@
-//! Runs of the variator: the manoeuvre's energy balance, tolerance, communication steps, repeatability, counts.
+//! Runs of the variator: the manoeuvre's energy balance, tolerance, communication steps,
+//! repeatability, counts.
 
 use pushbelt::fmi::table::Value;
 use pushbelt::variator::run::{CommunicationStep, InitialisationError, StepError, Variator};
@@ -28,9 +29,10 @@ fn drive(parameters: Parameters, from: f64, to: f64, mut see: impl FnMut(f64, &O
     run
 }
 
-/// Launch from standstill, shift to overdrive, torque steps, over-torque, recovery: at every output point the energy residual
-/// is at most 2e-3·∫|power| dt + 1e-3·(largest stored energy), and no element is lost. The ratio covers `ratios[0]` to
-/// `ratios[1]`. The numbers of steps, residuals and factorizations are pinned.
+/// Launch from standstill, shift to overdrive, torque steps, over-torque, recovery: at every output
+/// point the energy residual is at most 2e-3·∫|power| dt + 1e-3·(largest stored energy), and no
+/// element is lost. The ratio covers `ratios[0]` to `ratios[1]`. The numbers of steps, residuals
+/// and factorizations are pinned.
 fn whole_manoeuvre(model: RingModel, ratios: [f64; 2], work: [u64; 3]) {
     let (mut low, mut high, mut slipped) = (f64::INFINITY, 0.0_f64, false);
     let mut run = drive(Manoeuvre::variator(variator(model)), 0.0, 10.0, |clock, o| {
@@ -60,8 +62,8 @@ fn energy_balance_of_the_whole_manoeuvre_ale() {
     whole_manoeuvre(RingModel::Ale, [0.371, 2.323], [10_251, 39_683, 1335]);
 }
 
-/// Macro-slip of a belt at 40 to 70 m/s, in communication steps of 1 ms and of 50 µs: an unstable wave of the mesh, which long
-/// steps damp, would grow in short ones.
+/// Macro-slip of a belt at 40 to 70 m/s, in communication steps of 1 ms and of 50 µs: an unstable
+/// wave of the mesh, which long steps damp, would grow in short ones.
 #[test]
 fn macro_slip_is_the_same_in_short_steps() {
     let mut parameters = Manoeuvre::variator(variator(RingModel::Ale));
@@ -90,7 +92,8 @@ fn macro_slip_is_the_same_in_short_steps() {
     }
 }
 
-/// Between rigid sheaves, waves of the mesh grow at the entry of an arc in sufficiently short steps; they stay small.
+/// Between rigid sheaves, waves of the mesh grow at the entry of an arc in sufficiently short
+/// steps; they stay small.
 #[test]
 fn waves_between_rigid_sheaves_stay_small() {
     let mut parameters = rigid(variator(RingModel::Ale));
@@ -119,9 +122,10 @@ const WATCHED: [Tracked; 7] = [
 ];
 const MOTIONS: usize = 4;
 
-/// A tolerance ten times tighter changes launch and shift by less than 0.2 % of each output's range: motions at every
-/// output point, forces in the root mean square. (The moments at which elements stick and slip move with the tolerance,
-/// and with them single values of forces: by up to 1.3 % of the range.)
+/// A tolerance ten times tighter changes launch and shift by less than 0.2 % of each output's
+/// range: motions at every output point, forces in the root mean square. (The moments at which
+/// elements stick and slip move with the tolerance, and with them single values of forces: by up to
+/// 1.3 % of the range.)
 fn tighter_tolerance(model: RingModel, to: f64) {
     let [a, b] = [1.0, 0.1].map(|factor| {
         let mut parameters = Manoeuvre::variator(coarse(model));
@@ -181,7 +185,8 @@ fn the_result_does_not_depend_on_the_communication_step() {
     }
 }
 
-/// Two equal runs agree to the last bit, and so do copies and stored states, while inputs ramp and with changed friction.
+/// Two equal runs agree to the last bit, and so do copies and stored states, while inputs ramp and
+/// with changed friction.
 #[test]
 fn runs_and_snapshots_repeat_bit_for_bit() {
     for mut parameters in MODELS.map(coarse).into_iter().chain(MODELS.map(chain)) {
@@ -326,8 +331,8 @@ fn readings(run: &mut Variator) -> impl PartialEq + std::fmt::Debug + use<> {
     (of_run, run.outputs().clone(), run.profile().clone(), run.moment())
 }
 
-/// A copy, stored bytes and a step that is abandoned give back every reading, in each mode, after each tunable parameter: before a step
-/// under it and after some.
+/// A copy, stored bytes and a step that is abandoned give back every reading, in each mode, after
+/// each tunable parameter: before a step under it and after some.
 #[test]
 fn each_way_back_gives_every_reading() {
     for (mut parameters, mode) in [
@@ -368,7 +373,8 @@ fn each_way_back_gives_every_reading() {
     }
 }
 
-/// What follows a step that can't be done does not depend on it, nor on friction that was to change in it.
+/// What follows a step that can't be done does not depend on it, nor on friction that was to change
+/// in it.
 #[test]
 fn a_failed_step_leaves_nothing() {
     let gentle = inputs((50.0, 13e3), (-49.0, 10e3));

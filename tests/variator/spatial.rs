@@ -10,7 +10,8 @@ use pushbelt_support::variators::{SPEED, inputs, mesh, variator};
 /// Ratio of the steady states.
 const RATIO: f64 = 2.0;
 
-/// A variator whose ring deflects in space. Its belt planes are `misalignment` apart at the ratio of the tests.
+/// A variator whose ring deflects in space. Its belt planes are `misalignment` apart at the ratio
+/// of the tests.
 fn spatial(misalignment: f64) -> Parameters {
     let mut parameters = Parameters {
         spatial: true,
@@ -50,8 +51,9 @@ fn aligned_pulleys_keep_the_belt_in_its_plane() {
     }
 }
 
-/// A soft ring crosses the strands on straight lines with boundary layers of width √(EI_b/N) at their ends, where
-/// N = T − Q − (m_r + m_e)V²: the tension straightens the strand, and the push force bends it.
+/// A soft ring crosses the strands on straight lines with boundary layers of width √(EI_b/N) at
+/// their ends, where N = T − Q − (m_r + m_e)V²: the tension straightens the strand, and the push
+/// force bends it.
 #[test]
 fn strands_are_straight_between_boundary_layers() {
     let mut parameters = spatial(1.0e-3);
@@ -93,8 +95,8 @@ fn strands_are_straight_between_boundary_layers() {
     }
 }
 
-/// At the stiffness of the ring sets the boundary layers of a strand overlap: it is an S between two clamps, and the arcs
-/// hold the belt in their planes.
+/// At the stiffness of the ring sets the boundary layers of a strand overlap: it is an S between
+/// two clamps, and the arcs hold the belt in their planes.
 #[test]
 fn belt_follows_the_planes_of_its_pulleys() {
     let state = at_ratio(&spatial(1.0e-3), RATIO);
@@ -102,7 +104,8 @@ fn belt_follows_the_planes_of_its_pulleys() {
     assert_close(o.misalignment, 1.0e-3, 1e-2, "misalignment");
     assert_close(o.lateral_max, 0.5 * o.misalignment, 2e-2, "largest deflection");
     let strand = 0.168 * (1.0 - (o.primary.radius - o.secondary.radius).powi(2) / 0.168_f64.powi(2)).sqrt();
-    // The flanks yield within about a centimetre of the arc borders, so the strands do not take all of it.
+    // The flanks yield within about a centimetre of the arc borders, so the strands do not take all
+    // of it.
     let share = o.skew * strand / o.misalignment;
     assert!((0.95..1.0).contains(&share), "{share}");
     let stations = state.stations();
@@ -110,8 +113,8 @@ fn belt_follows_the_planes_of_its_pulleys() {
     assert!(pressed.all(|at| at.sample.offset.abs() < 2.0e-5));
 }
 
-/// The movable sheaves are on opposite sides, so the distance of the planes is (r_P + r_S − 2r₀) tan β: zero at ratio 1 and of
-/// the same sign in underdrive and overdrive.
+/// The movable sheaves are on opposite sides, so the distance of the planes is (r_P + r_S − 2r₀)
+/// tan β: zero at ratio 1 and of the same sign in underdrive and overdrive.
 #[test]
 fn misalignment_follows_the_ratio() {
     let parameters = variator(RingModel::Ale);
@@ -127,8 +130,8 @@ fn misalignment_follows_the_ratio() {
     }
 }
 
-/// Skewed strands change thrust ratio and losses little, and losses with the square of the misalignment: losses, not their share
-/// of a power that changes too at the same slip.
+/// Skewed strands change thrust ratio and losses little, and losses with the square of the
+/// misalignment: losses, not their share of a power that changes too at the same slip.
 #[test]
 fn losses_rise_with_the_square_of_the_misalignment() {
     let state = |misalignment: f64| at_ratio(&spatial(misalignment), RATIO);

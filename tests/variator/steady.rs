@@ -1,4 +1,5 @@
-//! Steady states of the variator: load cases, power balance, symmetry, errors of mesh and regularisation.
+//! Steady states of the variator: load cases, power balance, symmetry, errors of mesh and
+//! regularisation.
 
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::newton::Newton;
@@ -21,9 +22,10 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     })
 }
 
-/// The push force rises along the primary arc, is constant in the push strand, falls along the secondary arc and is zero in
-/// the pulling strand. Changes against this trend are bounded by two friction forces: the ring's, μ_r T times the angle, and
-/// the sheaves' where the belt slides in the other direction.
+/// The push force rises along the primary arc, is constant in the push strand, falls along the
+/// secondary arc and is zero in the pulling strand. Changes against this trend are bounded by two
+/// friction forces: the ring's, μ_r T times the angle, and the sheaves' where the belt slides in
+/// the other direction.
 fn assert_course_of_push_force(state: &Steady, name: &str) {
     let stations = state.stations();
     // Strand elements that press beside an arc count as part of it.
@@ -67,8 +69,8 @@ fn assert_course_of_push_force(state: &Steady, name: &str) {
     }
 }
 
-/// Nine load cases: the power supplied is the loss, slip is positive, the push force has its known course, and the thrust ratio rises from
-/// underdrive to overdrive.
+/// Nine load cases: the power supplied is the loss, slip is positive, the push force has its known
+/// course, and the thrust ratio rises from underdrive to overdrive.
 #[test]
 fn nine_load_cases_balance_their_power() {
     for model in MODELS {
@@ -82,7 +84,8 @@ fn nine_load_cases_balance_their_power() {
                 let name = format!("{model:?} {} {torque} N·m", case.name);
                 assert_close(o.ratio_geometric, ratio(case.theta), 1e-4, "ratio");
                 assert!(state.power_defect().abs() < 2e-3, "{name}");
-                // Measured belts slip by 2 to 4 % at 95 % of the peak of traction in underdrive; here the utilisation is 0.77.
+                // Measured belts slip by 2 to 4 % at 95 % of the peak of traction in underdrive;
+                // here the utilisation is 0.77.
                 assert!(o.slip > 0.0 && o.slip < 0.035, "{name}");
                 assert!(
                     o.efficiency < o.belt_efficiency && o.belt_efficiency < 1.0,
@@ -98,7 +101,8 @@ fn nine_load_cases_balance_their_power() {
                 assert!(positive.iter().all(|loss| *loss > 0.0), "{name}");
                 assert!(losses.other >= 0.0 && losses.layers >= 0.0, "{name}");
                 if model == RingModel::Ale {
-                    // Tilt alone spreads the radius by R aΔ on a wrap of half a turn: 1.1 mm at 21 kN on the large pulley.
+                    // Tilt alone spreads the radius by R aΔ on a wrap of half a turn: 1.1 mm at 21
+                    // kN on the large pulley.
                     for spiral in [o.primary.spiral, o.secondary.spiral] {
                         assert!(spiral > 5e-5 && spiral < 1.2e-3, "{name}");
                     }
@@ -114,8 +118,8 @@ fn nine_load_cases_balance_their_power() {
     }
 }
 
-/// The paper's 5.4: at a constant ratio, belt speed has a minor influence. (In underdrive the primary
-/// pulley of `ALE0` is near its own capacity at these forces; below 2000 rpm it slips.)
+/// The paper's 5.4: at a constant ratio, belt speed has a minor influence. (In underdrive the
+/// primary pulley of `ALE0` is near its own capacity at these forces; below 2000 rpm it slips.)
 #[test]
 fn belt_speed_changes_the_thrust_ratio_by_less_than_five_percent() {
     for model in MODELS {
@@ -134,9 +138,10 @@ fn belt_speed_changes_the_thrust_ratio_by_less_than_five_percent() {
     }
 }
 
-/// Twice the elements in each of the load cases: thrust ratio of `ALE` within 1 %, spiral running within 5 %. (In overdrive the release of
-/// elements at the small pulley determines the error, `docs/notebook/figures.md`.) Four times the cells close the power balance to 5e-4.
-/// Half the friction velocity changes the thrust ratio by less than 0.5 %.
+/// Twice the elements in each of the load cases: thrust ratio of `ALE` within 1 %, spiral running
+/// within 5 %. (In overdrive the release of elements at the small pulley determines the error,
+/// `docs/notebook/figures.md`.) Four times the cells close the power balance to 5e-4. Half the
+/// friction velocity changes the thrust ratio by less than 0.5 %.
 #[test]
 fn mesh_and_friction_velocity_are_fine_enough() {
     for torque in [30.0, 100.0] {
@@ -182,8 +187,8 @@ fn mesh_and_friction_velocity_are_fine_enough() {
     }
 }
 
-/// The tension of a ring without friction is the same all around, except in elements at an arc border. Largest deviation from
-/// the mean, of stations and of element means.
+/// The tension of a ring without friction is the same all around, except in elements at an arc
+/// border. Largest deviation from the mean, of stations and of element means.
 fn tension_ripple(state: &Steady) -> [f64; 2] {
     let elements = &state.system.belt.mesh.elements;
     let n = elements.len();
@@ -209,9 +214,9 @@ fn tension_ripple(state: &Steady) -> [f64; 2] {
     [points, means.fold(0.0, f64::max)]
 }
 
-/// At the default mesh the tension of each element (its mean, as in the outputs) is constant; within the second element
-/// from an arc border the cubic shape has ripples above 5 %, but not on twice the elements. Found, at most: 1.0 %,
-/// 7.5 %, 1.5 %.
+/// At the default mesh the tension of each element (its mean, as in the outputs) is constant;
+/// within the second element from an arc border the cubic shape has ripples above 5 %, but not on
+/// twice the elements. Found, at most: 1.0 %, 7.5 %, 1.5 %.
 #[test]
 fn ring_tension_is_constant_without_ring_friction() {
     let mut parameters = belt_alone(variator(RingModel::Ale));
@@ -229,7 +234,8 @@ fn ring_tension_is_constant_without_ring_friction() {
     }
 }
 
-/// Rotation by 180° about the midpoint of the axes swaps the pulleys: i_F(i; P drives)·i_F(1/i; S drives) = 1.
+/// Rotation by 180° about the midpoint of the axes swaps the pulleys: i_F(i; P drives)·i_F(1/i; S
+/// drives) = 1.
 #[test]
 fn swapped_pulleys_mirror_each_other() {
     for model in MODELS {
@@ -252,7 +258,8 @@ fn swapped_pulleys_mirror_each_other() {
 #[test]
 fn equal_pulleys_with_equal_torques_share_the_thrust() {
     for model in MODELS {
-        // Equal speeds at ratio 1 within the tolerance of the ratio: a slip of 3e-8 is a torque of 3e-4 N·m.
+        // Equal speeds at ratio 1 within the tolerance of the ratio: a slip of 3e-8 is a torque of
+        // 3e-4 N·m.
         let torques = turning(&variator(model), 1.0, 10e3, speeds(1.0, SPEED)).external_torques();
         let half = 0.5 * (torques.primary + torques.secondary);
         assert!(half > 0.0, "losses must be supplied");
@@ -293,7 +300,8 @@ fn a_steady_state_takes_its_usual_work() {
     assert_pinned(counts.factorizations, 107, "factorizations");
 }
 
-/// The default mesh is chosen for some thousand revolutions per minute; at 600 rad/s in overdrive gaps are wider.
+/// The default mesh is chosen for some thousand revolutions per minute; at 600 rad/s in overdrive
+/// gaps are wider.
 #[test]
 fn the_default_mesh_at_high_speed() {
     let at = |factor: i32| {
@@ -343,7 +351,8 @@ impl Strand {
         }
     }
 
-    /// Moment about a pulley's axis of the strand's force less its momentum flow, N·m; that of the elements at the pitch line.
+    /// Moment about a pulley's axis of the strand's force less its momentum flow, N·m; that of the
+    /// elements at the pitch line.
     fn moment(&self, axis: f64, pitch_offset: f64) -> f64 {
         let [x, y] = [self.at[0] - axis, self.at[1]];
         let lever = y * self.direction[0] - x * self.direction[1];
@@ -352,8 +361,9 @@ impl Strand {
     }
 }
 
-/// Angular momentum: the difference of its flows in the two strands of a pulley is the torque on the shaft. In contrast to the
-/// power balance, this depends on where friction between ring and elements acts.
+/// Angular momentum: the difference of its flows in the two strands of a pulley is the torque on
+/// the shaft. In contrast to the power balance, this depends on where friction between ring and
+/// elements acts.
 #[test]
 fn strands_and_shafts_have_the_same_moments() {
     // The strands of ALE0 can't bend where contact begins.
@@ -391,7 +401,8 @@ fn strands_and_shafts_have_the_same_moments() {
     }
 }
 
-/// A sheave tilts by its clearance, and beyond that by a moment whose lever is shorter than the running radius.
+/// A sheave tilts by its clearance, and beyond that by a moment whose lever is shorter than the
+/// running radius.
 #[test]
 fn a_tilt_is_that_of_the_axial_force() {
     let parameters = coarse(RingModel::Ale);

@@ -17,9 +17,10 @@ fn section(parameters: &Parameters) -> [f64; 2] {
     ]
 }
 
-/// At full load the largest stress is on the smaller pulley: tension over area and E t/2 times the curvature there less the
-/// residual one. Its cycle there has half the bending stress as its amplitude. Both but for the tension's change around the loop,
-/// which the layers do not share alike.
+/// At full load the largest stress is on the smaller pulley: tension over area and E t/2 times the
+/// curvature there less the residual one. Its cycle there has half the bending stress as its
+/// amplitude. Both but for the tension's change around the loop, which the layers do not share
+/// alike.
 #[test]
 fn stress_at_full_load_is_tension_and_bending_on_the_smaller_pulley() {
     for model in MODELS {
@@ -47,7 +48,8 @@ fn stress_at_full_load_is_tension_and_bending_on_the_smaller_pulley() {
     }
 }
 
-/// Both rings have the same stress: `ALE0` on the curvature of its reference curve, `ALE` on that of the deflected ring.
+/// Both rings have the same stress: `ALE0` on the curvature of its reference curve, `ALE` on that
+/// of the deflected ring.
 #[test]
 fn both_rings_have_the_same_stress() {
     for (ratio, torque, force) in [(2.3, 100.0, 20e3), (1.0, 100.0, 15e3), (0.5, 100.0, 15e3)] {
@@ -88,7 +90,8 @@ fn residual_curvature_shifts_the_mean_only() {
     assert_eq!(still(&straight), still(&bent));
 }
 
-/// The field along the belt is that of the face whose cycles are the outputs. It has a point every 10 mm.
+/// The field along the belt is that of the face whose cycles are the outputs. It has a point every
+/// 10 mm.
 #[test]
 fn the_field_has_the_cycles_of_the_outputs() {
     let mut parameters = variator(RingModel::Ale);

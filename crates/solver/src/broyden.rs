@@ -1,5 +1,6 @@
-//! Broyden's good update on earlier factors, in the form of Kelley, Iterative Methods for Linear and Nonlinear Equations (1995), section 7.3:
-//! it needs the steps made so far and no matrix. Where some rows have changed between sticking and sliding, as many updates suffice.
+//! Broyden's good update on earlier factors, in the form of Kelley, Iterative Methods for Linear
+//! and Nonlinear Equations (1995), section 7.3: it needs the steps made so far and no matrix. Where
+//! some rows have changed between sticking and sliding, as many updates suffice.
 
 use super::kernels::largest;
 use nalgebra::DVector;
@@ -7,8 +8,9 @@ use nalgebra::DVector;
 /// A scaled step with its squared 2-norm.
 pub(super) type Step = (DVector<f64>, f64);
 
-/// Sets the last of the steps made from one point on, by the `correction` that the factors give at the present point, after whole steps.
-/// Returns its largest entry, which is not finite if the step is not.
+/// Sets the last of the steps made from one point on, by the `correction` that the factors give at
+/// the present point, after whole steps. Returns its largest entry, which is not finite if the step
+/// is not.
 pub(super) fn set_last(steps: &mut [Step], correction: &[f64], scale: &[f64]) -> f64 {
     let Some(((step, square), earlier)) = steps.split_last_mut() else {
         return 0.0;

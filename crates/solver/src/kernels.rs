@@ -1,5 +1,6 @@
-//! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they stand in registers,
-//! several times as fast as loops over slices; a size of 0 stands for any, which takes nalgebra's and may allocate.
+//! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they
+//! stand in registers, several times as fast as loops over slices; a size of 0 stands for any,
+//! which takes nalgebra's and may allocate.
 
 use nalgebra::{DMatrixView, DMatrixViewMut};
 
@@ -87,8 +88,8 @@ pub fn gemm<const R: usize, const C: usize>(
     }
 }
 
-/// [`gemm`] for N columns of Y at a time: as many sums as the registers hold, so that each entry of A is read once for
-/// all of them.
+/// [`gemm`] for N columns of Y at a time: as many sums as the registers hold, so that each entry of
+/// A is read once for all of them.
 #[inline(always)]
 fn blocked<const R: usize, const C: usize, const N: usize>(
     update: Update,
@@ -117,7 +118,8 @@ fn blocked<const R: usize, const C: usize, const N: usize>(
     }
 }
 
-/// The largest magnitude of an entry that is a number, by eight at a time: none waits for the one before.
+/// The largest magnitude of an entry that is a number, by eight at a time: none waits for the one
+/// before.
 pub fn largest(x: &[f64]) -> f64 {
     let (eights, rest) = x.as_chunks::<8>();
     let mut most = [0.0_f64; 8];
@@ -129,12 +131,13 @@ pub fn largest(x: &[f64]) -> f64 {
     most.iter().chain(rest).fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// Least size of a pivot, as a fraction of the largest entry that could take its place: threshold pivoting (Duff, Erisman,
-/// Reid 1986). Half, twice, and 1, which is partial pivoting: the work of steady states stays the same within a residual of 12 000.
+/// Least size of a pivot, as a fraction of the largest entry that could take its place: threshold
+/// pivoting (Duff, Erisman, Reid 1986). Half, twice, and 1, which is partial pivoting: the work of
+/// steady states stays the same within a residual of 12 000.
 const PIVOT: f64 = 0.1;
 
-/// Replaces A, of R rows, by its inverse: Gauss and Jordan's elimination with row pivoting. False if A is singular or
-/// not finite.
+/// Replaces A, of R rows, by its inverse: Gauss and Jordan's elimination with row pivoting. False
+/// if A is singular or not finite.
 #[inline(always)]
 pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
     if R == 0 {

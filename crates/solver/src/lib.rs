@@ -1,7 +1,8 @@
 //! Implicit solution of stiff systems around a loop, independent of any belt.
 //!
-//! A system is F(t, y, ẏ, q) = 0 with q̇ = y for the unknowns that have a position: velocities of a mechanical system
-//! and first-order states stand side by side, positions are eliminated, and the Jacobian is an [`arrow::Arrow`].
+//! A system is F(t, y, ẏ, q) = 0 with q̇ = y for the unknowns that have a position: velocities of a
+//! mechanical system and first-order states stand side by side, positions are eliminated, and the
+//! Jacobian is an [`arrow::Arrow`].
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -93,8 +94,9 @@ pub trait System {
     /// ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`, s.
     fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow);
 
-    /// The Jacobian for Newton's method: derivatives that have hardly changed may be those of an earlier one. Returns the fraction of the
-    /// derivatives that was evaluated anew, beside constitutive tangents.
+    /// The Jacobian for Newton's method: derivatives that have hardly changed may be those of an
+    /// earlier one. Returns the fraction of the derivatives that was evaluated anew, beside
+    /// constitutive tangents.
     fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
         self.jacobian(time, view, alpha, beta, out);
         1.0

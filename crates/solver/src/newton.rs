@@ -1,5 +1,6 @@
-//! Newton's method for one implicit stage, with reuse of the factored Jacobian. Its work may be bounded ([`WorkBound`]): the solution then
-//! stops before a Jacobian for which the work does not last, and continues there.
+//! Newton's method for one implicit stage, with reuse of the factored Jacobian. Its work may be
+//! bounded ([`WorkBound`]): the solution then stops before a Jacobian for which the work does not
+//! last, and continues there.
 
 use super::arrow::{Arrow, ArrowLu};
 use super::broyden::{self, Step};
@@ -7,32 +8,41 @@ use super::{State, System};
 use nalgebra::DVector;
 use pushbelt_archive::Archive;
 
-// "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each Jacobian: of the manoeuvre with ALE; of
-// torque flips with ALE0, 1 s at each ratio, jumping and ramped. Chaotic loads alone vary by some 2 %.
+// "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each
+// Jacobian: of the manoeuvre with ALE; of torque flips with ALE0, 1 s at each ratio, jumping and
+// ramped. Chaotic loads alone vary by some 2 %.
 
 /// Most Jacobians in a stage. Half, twice: 0, 0 %; 0, 0 %.
 const JACOBIANS: u64 = 15;
-/// Most iterations of Broyden's method with the same factors: in a stage, whose best point is where Newton's method begins, and beyond the
-/// first of each stage, added up over stages, after which the next stage takes a new Jacobian: twice the residuals that a Jacobian with its
-/// factors costs, nine to fourteen for a push belt, since a stage with new factors takes a second iteration too.
-/// Half, twice: 0, 0 %; +2, 0 % in a stage, 0, +1 %; −3, +4 % over stages, where noisy forces take up to a quarter more with half of it.
+/// Most iterations of Broyden's method with the same factors: in a stage, whose best point is where
+/// Newton's method begins, and beyond the first of each stage, added up over stages, after which
+/// the next stage takes a new Jacobian: twice the residuals that a Jacobian with its factors costs,
+/// nine to fourteen for a push belt, since a stage with new factors takes a second iteration too.
+/// Half, twice: 0, 0 %; +2, 0 % in a stage, 0, +1 %; −3, +4 % over stages, where noisy forces take
+/// up to a quarter more with half of it.
 const ITERATIONS: usize = 24;
-/// Largest change of α, as a fraction of that of a factored matrix, with which the factors are tried. CVODE (Hindmarsh et al. 2005) takes 0.3.
-/// Half, twice: +2, +7 %; +1, −1 %. Random communication steps of 0.055 to 0.145 ms take 2.5 and 1.6 times the work of equal ones instead of 1.2.
+/// Largest change of α, as a fraction of that of a factored matrix, with which the factors are
+/// tried. CVODE (Hindmarsh et al. 2005) takes 0.3. Half, twice: +2, +7 %; +1, −1 %. Random
+/// communication steps of 0.055 to 0.145 ms take 2.5 and 1.6 times the work of equal ones instead
+/// of 1.2.
 const REUSED: f64 = 0.4;
-/// Growth of the step in one iteration at which Broyden's method is abandoned: as in CVODE. Half, twice: +3, −1 %; +7, +1 %.
+/// Growth of the step in one iteration at which Broyden's method is abandoned: as in CVODE. Half,
+/// twice: +3, −1 %; +7, +1 %.
 const DIVERGED: f64 = 2.0;
-/// Exponent of the contraction of the last stage, for the first iteration of the next: so it is measured again before it is stale. Hairer
-/// and Wanner, Solving Ordinary Differential Equations II, IV.8, give 0.8, which takes a tenth more under smooth loads.
-/// Half, and 1, beyond which a contraction would fall unmeasured: +4, +19 %; 0, 0 %.
+/// Exponent of the contraction of the last stage, for the first iteration of the next: so it is
+/// measured again before it is stale. Hairer and Wanner, Solving Ordinary Differential Equations
+/// II, IV.8, give 0.8, which takes a tenth more under smooth loads. Half, and 1, beyond which a
+/// contraction would fall unmeasured: +4, +19 %; 0, 0 %.
 const AGEING: f64 = 0.9;
-/// Part of the tolerance that may be left after the last iteration. Hairer and Wanner, IV.8, find 0.01 to 0.1 best.
-/// Half, twice: +3, −2 %; +2, −1 %.
+/// Part of the tolerance that may be left after the last iteration. Hairer and Wanner, IV.8, find
+/// 0.01 to 0.1 best. Half, twice: +3, −2 %; +2, −1 %.
 const LEFT: f64 = 0.15;
-/// Part of a correction that may point along the step before it, where a search along the step may end. Half, twice: 0, −1 %; +1, 0 %.
+/// Part of a correction that may point along the step before it, where a search along the step may
+/// end. Half, twice: 0, −1 %; +1, 0 %.
 const PROJECTION: f64 = 0.2;
-/// Residuals after which a search along a step ends, at the best place it has found; without one it fails after twice as many.
-/// Half, twice: −1, 0 %; −2, +2 %, but with half of it 638 stages of the flips fail instead of 8.
+/// Residuals after which a search along a step ends, at the best place it has found; without one it
+/// fails after twice as many. Half, twice: −1, 0 %; −2, +2 %, but with half of it 638 stages of the
+/// flips fail instead of 8.
 const TRIALS: usize = 6;
 
 /// Work done.
@@ -104,7 +114,8 @@ pub enum Unsolved {
 pub struct WorkBound {
     /// Work that is left.
     pub remaining: f64,
-    /// Work of a Jacobian with its factors: with reused geometry, and what all geometry takes beside.
+    /// Work of a Jacobian with its factors: with reused geometry, and what all geometry takes
+    /// beside.
     pub jacobian: [f64; 2],
     /// What an iteration that has begun may take beyond the work that is left.
     pub overdraft: f64,
@@ -134,7 +145,8 @@ pub(super) fn move_by(time: f64, out: &mut [f64], from: &[f64], rate: &[f64]) {
     }
 }
 
-/// An implicit stage of a one-step method: F(t, y, ẏ, q) = 0 with ẏ = α(y − `base`), q = `position` + y/α.
+/// An implicit stage of a one-step method: F(t, y, ẏ, q) = 0 with ẏ = α(y − `base`), q = `position`
+/// + y/α.
 #[derive(Clone, Debug)]
 pub struct Stage {
     /// t, s.
@@ -215,7 +227,8 @@ impl Factored {
     }
 }
 
-/// Newton's method with two factored Jacobians, which later stages use again: where the communication step changes all the time, α returns.
+/// Newton's method with two factored Jacobians, which later stages use again: where the
+/// communication step changes all the time, α returns.
 #[derive(Clone, Debug)]
 pub struct Newton {
     matrix: Arrow,
@@ -240,8 +253,8 @@ pub struct Newton {
     anchor: Vec<f64>,
     /// Residual at the best place.
     best_residual: Vec<f64>,
-    /// Largest change that the last iteration of a stage left to make, as a fraction of the tolerance, as far as its contraction
-    /// shows. The caller sets it to zero.
+    /// Largest change that the last iteration of a stage left to make, as a fraction of the
+    /// tolerance, as far as its contraction shows. The caller sets it to zero.
     pub defect: f64,
     /// Bound of the work.
     pub bound: WorkBound,
@@ -280,7 +293,8 @@ impl Newton {
         }
     }
 
-    /// Writes to an archive, or reads from it, all that later solutions depend on but the factored Jacobians.
+    /// Writes to an archive, or reads from it, all that later solutions depend on but the factored
+    /// Jacobians.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         archive.flag(&mut self.known);
         if self.known {
@@ -316,7 +330,8 @@ impl Newton {
     /// Solves a stage. `reuse` allows a Jacobian from before.
     ///
     /// # Errors
-    /// No convergence: `stage.state.y` is then meaningless. Or the work is used up: the next call with this stage continues from there.
+    /// No convergence: `stage.state.y` is then meaningless. Or the work is used up: the next call
+    /// with this stage continues from there.
     pub fn solve(
         &mut self,
         system: &mut impl System,
@@ -344,7 +359,8 @@ impl Newton {
         solved
     }
 
-    /// Chooses the nearer factors. Whether they may be tried at this α; else they are those to replace: none, or the ones used earlier.
+    /// Chooses the nearer factors. Whether they may be tried at this α; else they are those to
+    /// replace: none, or the ones used earlier.
     fn choose(&mut self, alpha: f64) -> bool {
         let [here, there] = [self.present, 1 - self.present];
         let off = [here, there].map(|k| self.kept[k].off(alpha));
@@ -355,8 +371,9 @@ impl Newton {
         self.kept[self.present].off(alpha) < REUSED
     }
 
-    /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps overshoot from one sliding
-    /// direction to the other for ever. After a full step Broyden's method goes on.
+    /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps
+    /// overshoot from one sliding direction to the other for ever. After a full step Broyden's
+    /// method goes on.
     fn damped_newton(&mut self, system: &mut impl System, stage: &mut Stage) -> Result<(), Unsolved> {
         while self.jacobians < self.bound.jacobians {
             if self.bound.remaining < self.bound.jacobian[0] {
@@ -413,8 +430,9 @@ impl Newton {
         (largest, scaled().map(|x| x * x).sum::<f64>().sqrt())
     }
 
-    /// Broyden's method from the factors at hand; whether it converges. It is abandoned when it diverges; `stage.state.y` is then the best
-    /// point it reached, and the residual there is at hand. `corrected`: the correction at `stage.state.y` is at hand.
+    /// Broyden's method from the factors at hand; whether it converges. It is abandoned when it
+    /// diverges; `stage.state.y` is then the best point it reached, and the residual there is at
+    /// hand. `corrected`: the correction at `stage.state.y` is at hand.
     fn broyden(&mut self, system: &mut impl System, stage: &mut Stage, corrected: bool) -> bool {
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..ITERATIONS {
@@ -436,8 +454,9 @@ impl Newton {
             if !change.is_finite() || contraction > DIVERGED && change > stage.tolerance {
                 break;
             }
-            // What is left after this step, over the step: before any is measured, by the contraction of the last stage. At most the step
-            // itself: steps that are rounding need not fall.
+            // What is left after this step, over the step: before any is measured, by the
+            // contraction of the last stage. At most the step itself: steps that are rounding need
+            // not fall.
             let ahead = if iteration == 0 {
                 of.rate = of.rate.max(of.off(stage.alpha)).max(f64::EPSILON).powf(AGEING);
                 of.rate
@@ -464,10 +483,12 @@ impl Newton {
         false
     }
 
-    /// Goes along the correction to a place that the natural monotonicity test accepts (Deuflhard, Newton Methods for Nonlinear
-    /// Problems, 2011, section 3.3): the simplified correction there is smaller. Returns whether that is the whole step. Short of it, it
-    /// seeks a place from which the correction points along the step no more, by bisection: where an arc slides the other way with all its
-    /// cells at once, the correction beyond leads back. The residual there is at hand, and after a whole step the correction.
+    /// Goes along the correction to a place that the natural monotonicity test accepts (Deuflhard,
+    /// Newton Methods for Nonlinear Problems, 2011, section 3.3): the simplified correction there
+    /// is smaller. Returns whether that is the whole step. Short of it, it seeks a place from which
+    /// the correction points along the step no more, by bisection: where an arc slides the other
+    /// way with all its cells at once, the correction beyond leads back. The residual there is at
+    /// hand, and after a whole step the correction.
     fn search(&mut self, system: &mut impl System, stage: &mut Stage) -> Result<bool, Unsolved> {
         let (_, norm) = self.measure();
         if !norm.is_finite() {

@@ -1,8 +1,10 @@
-//! Time integration: SDIRK of two stages and order two, L-stable and stiffly accurate (Alexander 1977, γ = 1 − 1/√2).
+//! Time integration: SDIRK of two stages and order two, L-stable and stiffly accurate (Alexander
+//! 1977, γ = 1 − 1/√2).
 //!
-//! One-step and without an explicit stage, so a jump of the inputs needs no restart and a snapshot is y, ẏ, q and the step size. The error is
-//! measured against a formula with weights on c = 0, γ, 1, where the slope at c = 0 is the last one of the step before. It is of third order
-//! where the state doesn't act on its slope; of ẏ = −y it shows a seventh of the error.
+//! One-step and without an explicit stage, so a jump of the inputs needs no restart and a snapshot
+//! is y, ẏ, q and the step size. The error is measured against a formula with weights on c = 0, γ,
+//! 1, where the slope at c = 0 is the last one of the step before. It is of third order where the
+//! state doesn't act on its slope; of ẏ = −y it shows a seventh of the error.
 
 use super::newton::{Newton, Stage, Unsolved, move_by};
 use super::{State, System, View};
@@ -11,8 +13,8 @@ use pushbelt_archive::Archive;
 /// γ = 1 − 1/√2.
 pub const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
-/// Weights of third order for quadrature (Σ b̂ = 1, Σ b̂c = 1/2, Σ b̂c² = 1/3) less those of the method, on the slopes
-/// at c = 0, γ, 1.
+/// Weights of third order for quadrature (Σ b̂ = 1, Σ b̂c = 1/2, Σ b̂c² = 1/3) less those of the
+/// method, on the slopes at c = 0, γ, 1.
 fn error_weights() -> [f64; 3] {
     let b1 = 1.0 / (6.0 * GAMMA * (1.0 - GAMMA));
     let b2 = 0.5 - GAMMA * b1;
@@ -29,7 +31,8 @@ pub trait Evolution: System {
         f64::INFINITY
     }
 
-    /// Called for each accepted step of `length`, s, that ends at the time `end`, s: to integrate what is not part of the state.
+    /// Called for each accepted step of `length`, s, that ends at the time `end`, s: to integrate
+    /// what is not part of the state.
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, end: f64, length: f64);
 }
 
@@ -56,7 +59,8 @@ pub struct Sdirk {
     pub max_step: f64,
     /// Newton tolerance as a fraction of the system's Newton scale.
     pub newton_tolerance: f64,
-    /// How many times wider it becomes where steps err as much as is tolerated: sharper solutions don't make them better.
+    /// How many times wider it becomes where steps err as much as is tolerated: sharper solutions
+    /// don't make them better.
     pub newton_widening: f64,
     /// Size of the step that the stages are of, s; none after an attempt that failed.
     last_step: Option<f64>,
@@ -65,22 +69,26 @@ pub struct Sdirk {
     /// Stage that is not solved, from 1 on; 0 if no step is open.
     open: usize,
     stages: [Stage; 2],
-    /// ẏ at the end of the last step, before loads jumped: the predictor of the first stage uses it. An unknown may follow its
-    /// load in less than a step, so the slope after a jump would lead far off.
+    /// ẏ at the end of the last step, before loads jumped: the predictor of the first stage uses
+    /// it. An unknown may follow its load in less than a step, so the slope after a jump would lead
+    /// far off.
     slope: Vec<f64>,
     /// Of y and of q.
     errors: [Vec<f64>; 2],
 }
 
-/// Smallest step, s, also of a search for a steady state; nor is a step taken for a rest that is shorter.
+/// Smallest step, s, also of a search for a steady state; nor is a step taken for a rest that is
+/// shorter.
 pub(crate) const MIN_STEP: f64 = 1.0e-10;
-/// Share of the longest step within the tolerance, as far as the error shows, that is taken: as Hairer, Nørsett and Wanner, Solving
-/// Ordinary Differential Equations I, II.4. Half, and 0.9: +11, 0 % of the work of the manoeuvre with ALE; −11, +4 % of torque flips.
+/// Share of the longest step within the tolerance, as far as the error shows, that is taken: as
+/// Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.4. Half, and 0.9: +11,
+/// 0 % of the work of the manoeuvre with ALE; −11, +4 % of torque flips.
 const SAFETY: f64 = 0.8;
 
-/// Change of the step size after this error: SAFETY · error^(−1/3) for an estimate of third order, within the smooth limits of
-/// Söderlind and Wang, Adaptive time-stepping and computational stability (2006): 0.21 where the error is infinite or not a number,
-/// 2.57 where there is none. DASSL and CVODE (Hindmarsh et al. 2005) take 0.25 where Newton's method failed.
+/// Change of the step size after this error: SAFETY · error^(−1/3) for an estimate of third order,
+/// within the smooth limits of Söderlind and Wang, Adaptive time-stepping and computational
+/// stability (2006): 0.21 where the error is infinite or not a number, 2.57 where there is none.
+/// DASSL and CVODE (Hindmarsh et al. 2005) take 0.25 where Newton's method failed.
 fn change(error: f64) -> f64 {
     1.0 + (SAFETY / error.cbrt() - 1.0).max(-1.0).atan()
 }
@@ -105,8 +113,8 @@ impl Sdirk {
         }
     }
 
-    /// ÿ of an unknown at the end of the last step, of first order: from the slopes of its two stages. 0 if there is no
-    /// last step.
+    /// ÿ of an unknown at the end of the last step, of first order: from the slopes of its two
+    /// stages. 0 if there is no last step.
     #[must_use]
     pub fn slope_rate(&self, unknown: usize) -> f64 {
         let [first, second] = self.stages.each_ref().map(|stage| stage.state.y_dot[unknown]);
@@ -114,7 +122,8 @@ impl Sdirk {
             .map_or(0.0, |h| (second - first) / ((1.0 - GAMMA) * h))
     }
 
-    /// Writes to an archive, or reads from it, all that later steps depend on but [the factored Jacobian](Newton::serialize_factors).
+    /// Writes to an archive, or reads from it, all that later steps depend on but [the factored
+    /// Jacobian](Newton::serialize_factors).
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.newton.serialize(archive);
         archive.bounded_real(&mut self.step, 0.0, f64::MAX);
@@ -140,8 +149,8 @@ impl Sdirk {
         }
     }
 
-    /// Solves both stages of a step of size `h` from (y, ẏ, q) at `time`, or continues where the work was used up. The result is in
-    /// the second.
+    /// Solves both stages of a step of size `h` from (y, ẏ, q) at `time`, or continues where the
+    /// work was used up. The result is in the second.
     fn solve(&mut self, system: &mut impl System, view: View<'_>, time: f64, h: f64) -> Result<(), Unsolved> {
         self.last_step = None;
         for number in self.open.max(1)..=2 {
@@ -182,11 +191,13 @@ impl Sdirk {
         self.newton.abandon();
     }
 
-    /// Takes one step of size `h` at `time` without error control, or continues it, as far as the work of [`Newton::bound`] lasts.
+    /// Takes one step of size `h` at `time` without error control, or continues it, as far as the
+    /// work of [`Newton::bound`] lasts.
     ///
     /// # Errors
-    /// The stage that is not solved; the state stays at the start of the step. After [`Unsolved::OutOfWork`] call it again with the same
-    /// arguments, or [`Sdirk::abandon`] the step; after [`Unsolved::NoSolution`] it is abandoned.
+    /// The stage that is not solved; the state stays at the start of the step. After
+    /// [`Unsolved::OutOfWork`] call it again with the same arguments, or [`Sdirk::abandon`] the
+    /// step; after [`Unsolved::NoSolution`] it is abandoned.
     pub fn fixed_step<S: Evolution>(
         &mut self,
         system: &mut S,
@@ -220,10 +231,12 @@ impl Sdirk {
         error
     }
 
-    /// Takes one step from `time`, which is before `to`, s, to at most that; afterwards `time` is where it ends.
+    /// Takes one step from `time`, which is before `to`, s, to at most that; afterwards `time` is
+    /// where it ends.
     ///
     /// # Errors
-    /// The step size fell below 0.1 ns, or a time is not a number; the state is that of the last accepted step, at `time`.
+    /// The step size fell below 0.1 ns, or a time is not a number; the state is that of the last
+    /// accepted step, at `time`.
     pub fn step<S: Evolution>(
         &mut self,
         system: &mut S,
@@ -244,8 +257,9 @@ impl Sdirk {
             if error <= 1.0 {
                 *time = if h >= rest { to } else { *time + h };
                 self.accept(system, state, *time, h);
-                // An accepted step is not shortened, as in CVODE: a communication step that is split in two takes new factors. Nor does
-                // the step grow right after a failure (Hairer, Nørsett and Wanner, II.4).
+                // An accepted step is not shortened, as in CVODE: a communication step that is
+                // split in two takes new factors. Nor does the step grow right after a failure
+                // (Hairer, Nørsett and Wanner, II.4).
                 self.step = if repeats {
                     self.step.min(h)
                 } else if factor < 1.0 {

@@ -17,7 +17,8 @@ use crate::{binary, cargo, date, exports, icons, licenses, portable, progress};
 /// The documentation in the FMU; values from the model description replace `{{…}}`.
 const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
 
-/// Folder of the licences in both versions of the standard (2.0.4, section 2.3); `license.txt` is the entry.
+/// Folder of the licences in both versions of the standard (2.0.4, section 2.3); `license.txt` is
+/// the entry.
 const LICENSES: &str = "documentation/licenses";
 const LICENSE: &str = include_str!("../../templates/license.txt");
 /// Files of the layered standard for related files, FMI-LS-REF, and the page about them.
@@ -31,8 +32,8 @@ const FMI3: &str = include_str!("../../templates/fmi3.html");
 #[derive(Args, Clone, Copy, Default)]
 #[group(skip)]
 pub struct Arguments {
-    /// Build for linux64 with glibc 2.17 or newer and for win64, on processors without AVX2 too, instead of for this
-    /// machine
+    /// Build for linux64 with glibc 2.17 or newer and for win64, on processors without AVX2 too,
+    /// instead of for this machine
     #[arg(long)]
     pub portable: bool,
 }
@@ -42,14 +43,16 @@ pub struct Arguments {
 pub struct Options {
     #[command(flatten)]
     machines: Arguments,
-    /// Write target/PushbeltVariator3.fmu for FMI 3.0 instead; with --portable also for Linux on ARM and for macOS, as far as their
-    /// Rust targets can be installed
+    /// Write target/PushbeltVariator3.fmu for FMI 3.0 instead; with --portable also for Linux on
+    /// ARM and for macOS, as far as their Rust targets can be installed
     #[arg(long)]
     fmi3: bool,
-    /// Write target/PushbeltPaper.fmu instead, with the rings that the paper compares, for this machine
+    /// Write target/PushbeltPaper.fmu instead, with the rings that the paper compares, for this
+    /// machine
     #[arg(long, conflicts_with_all = ["fmi3", "portable"])]
     paper: bool,
-    /// Write target/PushbeltMap.fmu instead, a variator from maps, for this machine; with --fmi3 target/PushbeltMap3.fmu
+    /// Write target/PushbeltMap.fmu instead, a variator from maps, for this machine; with --fmi3
+    /// target/PushbeltMap3.fmu
     #[arg(long, conflicts_with_all = ["paper", "portable"])]
     map: bool,
 }
@@ -113,7 +116,8 @@ fn compile(workspace: &Workspace, machines: Arguments, version: Version) -> anyh
     }])
 }
 
-/// Builds the portable FMUs of FMI 2.0 and 3.0 in a folder, from the same binaries, and leaves those in the target directory alone.
+/// Builds the portable FMUs of FMI 2.0 and 3.0 in a folder, from the same binaries, and leaves
+/// those in the target directory alone.
 ///
 /// # Errors
 /// As [`run_options`].
@@ -168,7 +172,8 @@ pub fn run_paper(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     Ok(path)
 }
 
-/// Packs the model description alone, for programs that read the variables and run nothing, and returns the path.
+/// Packs the model description alone, for programs that read the variables and run nothing, and
+/// returns the path.
 ///
 /// # Errors
 /// A file can't be read or written.
@@ -184,7 +189,8 @@ pub fn run_description(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     Ok(path)
 }
 
-/// Builds the FMU of maps for this machine, with the tables of the published variator, and returns its path.
+/// Builds the FMU of maps for this machine, with the tables of the published variator, and returns
+/// its path.
 ///
 /// # Errors
 /// As [`run_options`].

@@ -1,4 +1,5 @@
-//! `cargo fmu describe`: writes the checked-in files that are generated from the variable table, the tables of C functions and the version.
+//! `cargo fmu describe`: writes the checked-in files that are generated from the variable table,
+//! the tables of C functions and the version.
 
 use std::fs;
 use std::path::PathBuf;
@@ -16,8 +17,9 @@ use crate::workspace::Workspace;
 /// Version of crate, FMU and Python package, from the workspace's manifest.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Writes `modelDescription.xml`, `modelDescription3.xml`, `terminalsAndIcons.xml`, `exports.def`, the files generated from the first, and the
-/// book's pages about commands and Python. Whether these pages are up to date is a test of the Python package.
+/// Writes `modelDescription.xml`, `modelDescription3.xml`, `terminalsAndIcons.xml`, `exports.def`,
+/// the files generated from the first, and the book's pages about commands and Python. Whether
+/// these pages are up to date is a test of the Python package.
 ///
 /// # Errors
 /// The model doesn't compile, a file can't be written, or Python's packages can't be installed.
@@ -48,8 +50,9 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     cargo::run(reference.arg(workspace.root().join("fmu-build/python/book.py")))
 }
 
-/// Files that are out of date with respect to `modelDescription.xml` and the version. Whether `modelDescription.xml` is that of
-/// the variable table is a test of the model, which this tool doesn't link.
+/// Files that are out of date with respect to `modelDescription.xml` and the version. Whether
+/// `modelDescription.xml` is that of the variable table is a test of the model, which this tool
+/// doesn't link.
 ///
 /// # Errors
 /// `modelDescription.xml` can't be read.

@@ -1,4 +1,5 @@
-//! `cargo fmu elements`: runs the model of single elements, whose results go to `target/elements` and `elements/results`.
+//! `cargo fmu elements`: runs the model of single elements, whose results go to `target/elements`
+//! and `elements/results`.
 
 use std::process::Command;
 

@@ -1,4 +1,5 @@
-//! The commands that start a Python program, with the words of the command line as they are: `cargo fmu demo`, `cargo fmu sweep` and others.
+//! The commands that start a Python program, with the words of the command line as they are: `cargo
+//! fmu demo`, `cargo fmu sweep` and others.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -53,7 +54,8 @@ const COMMON: Program = Program {
     fmu: Fmu::Runs,
 };
 
-/// All of them. A line in the help is the documentation of a command beside the program's own `--help`.
+/// All of them. A line in the help is the documentation of a command beside the program's own
+/// `--help`.
 pub const PROGRAMS: [Program; 12] = [
     Program {
         name: "demo",
@@ -148,7 +150,8 @@ impl Program {
         PROGRAMS.iter().find(|program| program.name == name)
     }
 
-    /// The Python module with its arguments; none for the Rust benchmark. A `--` before options of the program is not needed.
+    /// The Python module with its arguments; none for the Rust benchmark. A `--` before options of
+    /// the program is not needed.
     fn chosen(&self, words: &[String]) -> (Option<&'static str>, Vec<String>) {
         let mut words = words.to_vec();
         let mut remove = |word: &str| {
@@ -164,8 +167,9 @@ impl Program {
         (Some(module), words)
     }
 
-    /// Builds the FMU if it is needed and not given, installs the Python packages, and runs the program in the working directory. Its
-    /// results go to a folder of the command's name below the target directory.
+    /// Builds the FMU if it is needed and not given, installs the Python packages, and runs the
+    /// program in the working directory. Its results go to a folder of the command's name below the
+    /// target directory.
     ///
     /// # Errors
     /// The FMU doesn't build, the packages can't be installed, or the program fails.

@@ -1,8 +1,9 @@
 //! `cargo fmu test`: the Rust tests, then the Python tests that drive the FMU, in two tiers.
 //!
-//! The first tier is for every edit: each part of the code, the packed FMU, one report of each kind. Its Rust tests link the
-//! library that the FMU has, so that the model is compiled once for both. The second tier, with `--all`, is everything: the
-//! programs under valgrind, the paper's belts, documentation and the slow Python tests; and of the crates beside the belt, which are
+//! The first tier is for every edit: each part of the code, the packed FMU, one report of each
+//! kind. Its Rust tests link the library that the FMU has, so that the model is compiled once for
+//! both. The second tier, with `--all`, is everything: the programs under valgrind, the paper's
+//! belts, documentation and the slow Python tests; and of the crates beside the belt, which are
 //! compiled in seconds, the dev profile with debug assertions and checks of overflow.
 
 use std::num::NonZero;
@@ -25,7 +26,8 @@ const TOOL: &str = env!("CARGO_PKG_NAME");
 /// Packages whose Rust tests are in the second tier only.
 const SECOND_TIER_PACKAGES: [&str; 1] = [PAPER_PACKAGE];
 
-/// Files of Rust tests of other packages that are in the second tier only: they take long, or need valgrind.
+/// Files of Rust tests of other packages that are in the second tier only: they take long, or need
+/// valgrind.
 const SECOND_TIER: [&str; 2] = ["bounded_work", "sequences"];
 
 /// Options of the tests.
@@ -45,7 +47,8 @@ pub struct Arguments {
     windows: bool,
     #[command(flatten)]
     build: build::Arguments,
-    /// Passed on to `cargo test` (with --rust) or to pytest (with --python), which then choose from all tests
+    /// Passed on to `cargo test` (with --rust) or to pytest (with --python), which then choose from
+    /// all tests
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -63,8 +66,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.windows {
         return windows_tests(workspace, &arguments.passed_on);
     }
-    // Beside each other, since packages wait for downloads, and the model takes one core: it is one unit of compilation. Cargo
-    // compiles for one of them at a time.
+    // Beside each other, since packages wait for downloads, and the model takes one core: it is one
+    // unit of compilation. Cargo compiles for one of them at a time.
     let (environment, ()) = side_by_side(
         || {
             if arguments.rust {
@@ -172,7 +175,8 @@ fn rust_tests(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()
     Ok(())
 }
 
-/// Options of `cargo test` for the first tier, and the tests that these leave out, from the output of `cargo metadata`.
+/// Options of `cargo test` for the first tier, and the tests that these leave out, from the output
+/// of `cargo metadata`.
 fn first_tier(metadata: &Value) -> anyhow::Result<(Vec<String>, Vec<String>)> {
     let mut chosen = vec!["--release".to_owned(), "--lib".to_owned()];
     let mut left = Vec::new();

@@ -12,14 +12,15 @@ use crate::python::{Environment, PACKING};
 use crate::workspace::{MAP_IDENTIFIER, MODEL_IDENTIFIER, Workspace, copy_tree};
 use crate::{cargo, licenses, progress};
 
-/// 1 January 1980, the earliest date in an archive, so that the bytes of a wheel don't depend on the date of its build.
+/// 1 January 1980, the earliest date in an archive, so that the bytes of a wheel don't depend on
+/// the date of its build.
 const DATE: &str = "315532800";
 
 /// Content and destination of the wheel.
 #[derive(Args)]
 pub struct Arguments {
-    /// Pack this FMU with its binaries, and those of FMI 3.0 and of maps beside it, instead of building them. What is built is portable but
-    /// for the FMUs of maps, which are of this machine
+    /// Pack this FMU with its binaries, and those of FMI 3.0 and of maps beside it, instead of
+    /// building them. What is built is portable but for the FMUs of maps, which are of this machine
     #[arg(long, value_name = "FILE.fmu")]
     fmu: Option<PathBuf>,
     /// Folder that the wheel is written to [default: target/wheels]
@@ -117,7 +118,8 @@ fn build_all(workspace: &Workspace) -> anyhow::Result<Vec<(PathBuf, String)>> {
         .collect()
 }
 
-/// Copies the files for the build backend: the package with FMUs and published data inside, and the licences.
+/// Copies the files for the build backend: the package with FMUs and published data inside, and the
+/// licences.
 fn lay_out(workspace: &Workspace, fmus: &[(PathBuf, String)], tree: &Path) -> anyhow::Result<()> {
     if tree.exists() {
         fs::remove_dir_all(tree).with_context(|| format!("can't remove {}", tree.display()))?;

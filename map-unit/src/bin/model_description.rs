@@ -1,5 +1,5 @@
-//! Prints the model description of the map FMU, of FMI 2.0 or 3.0: `pushbelt_map_description 2|3 FOLDER`. FOLDER has the file of the
-//! tables, whose hash is in the token.
+//! Prints the model description of the map FMU, of FMI 2.0 or 3.0: `pushbelt_map_description 2|3
+//! FOLDER`. FOLDER has the file of the tables, whose hash is in the token.
 
 use pushbelt_fmi::unit::Unit;
 use pushbelt_fmi::{Version, model_description};

@@ -16,7 +16,8 @@ const CYLINDER: Cylinder = Cylinder {
     seal: 0.0,
 };
 
-/// Both pulleys have this cylinder, and pressures instead of clamping forces. The run starts in the equilibrium.
+/// Both pulleys have this cylinder, and pressures instead of clamping forces. The run starts in the
+/// equilibrium.
 fn settings(seal: f64) -> Settings {
     let mut settings = super::settings();
     let (of, inputs) = (&mut settings.parameters, &mut settings.inputs);
@@ -31,8 +32,9 @@ fn settings(seal: f64) -> Settings {
     settings
 }
 
-/// With springs and rotating oil the equilibrium is that of the whole forces. At each point of a shift the axial force is that of pressure,
-/// spring and oil less the friction of the seals, and the radii give the speed of the sheave.
+/// With springs and rotating oil the equilibrium is that of the whole forces. At each point of a
+/// shift the axial force is that of pressure, spring and oil less the friction of the seals, and
+/// the radii give the speed of the sheave.
 #[test]
 fn cylinders_move_the_sheaves() {
     for seal in [0.0, 150.0] {
@@ -87,7 +89,8 @@ fn cylinders_move_the_sheaves() {
     }
 }
 
-/// From an equilibrium, half the friction of the seals more pressure: the sheave creeps as the regularised law does.
+/// From an equilibrium, half the friction of the seals more pressure: the sheave creeps as the
+/// regularised law does.
 #[test]
 fn seals_hold_the_ratio_but_for_creep() {
     let [seal_friction, free] = [400.0, 0.0].map(|seal| {
@@ -122,7 +125,8 @@ fn a_pressure_without_an_area_is_warned_about_once() {
     assert!(first.contains("secondary.cylinder.area is 0") && second.contains("primary.cylinder.area is 0"));
 }
 
-/// Out of equilibrium too: a coupled circuit reads no flow before the first step, also where the start was stored.
+/// Out of equilibrium too: a coupled circuit reads no flow before the first step, also where the
+/// start was stored.
 #[test]
 fn sheaves_are_at_rest_at_the_start() {
     let mut settings = settings(150.0);

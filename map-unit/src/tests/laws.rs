@@ -6,7 +6,8 @@ use super::settings;
 use crate::law::{Law, State};
 use crate::settings::Settings;
 
-/// The radii are those of the detailed unit, between the stops. Between places of the table they err by less than a micrometre.
+/// The radii are those of the detailed unit, between the stops. Between places of the table they
+/// err by less than a micrometre.
 #[test]
 fn radii_close_the_belt_and_meet_the_stops() {
     let law = Law::new(&settings()).expect("laws");
@@ -56,7 +57,8 @@ fn reverse_running_is_the_mirror_image() {
 fn torque_is_continuous_and_falls_in_fast_sliding() {
     let mut settings = settings();
     let of = torques(&settings);
-    // Near standstill the torque grows by its capacity within 0.02 rad/s. At speed the belt slips through.
+    // Near standstill the torque grows by its capacity within 0.02 rad/s. At speed the belt slips
+    // through.
     let speeds: [fn(f64) -> [f64; 2]; 2] = [|t| [2.0 * t - 1.0, 0.4], |t| [200.0, 185.0 * (1.0 - t)]];
     let [_, (most, fast)] = speeds.map(|speeds| {
         let at = |k: i32| {

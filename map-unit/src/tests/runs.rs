@@ -24,7 +24,8 @@ fn refused(settings: &Settings) -> String {
     started.map(drop).expect_err("settings that do not fit")
 }
 
-/// Power that neither is lost nor goes out, as a fraction of that which goes in: 0 in an equilibrium of torques at both shafts.
+/// Power that neither is lost nor goes out, as a fraction of that which goes in: 0 in an
+/// equilibrium of torques at both shafts.
 fn unbalanced(of: &Outputs) -> f64 {
     let [into, out] = [of.primary, of.secondary].map(|of| of.external_torque * of.speed);
     assert!((of.efficiency + out / into).abs() < 1e-9);
@@ -78,7 +79,8 @@ fn a_shift_ends_at_the_equilibrium_or_at_a_stop() {
     let found = run(&mut unit, &settings, 1e-2, 20.0);
     settings.parameters.initial.equilibrium = true;
     let direct = outputs(&mut start(&settings));
-    // The shafts also accelerate: the secondary speed is not yet constant at the start of the second run.
+    // The shafts also accelerate: the secondary speed is not yet constant at the start of the
+    // second run.
     assert!((found.ratio_geometric - direct.ratio_geometric).abs() < 0.02);
     settings.inputs.primary.clamping_force = 60e3;
     let stop = run(&mut unit, &settings, 1e-2, 5.0);
@@ -202,7 +204,8 @@ fn an_input_ramps_over_the_whole_step_or_follows_its_derivative() {
     assert!((speed(70.0, None) - speed(50.0, Some(rates))).abs() < 1e-9);
 }
 
-/// A torque that the belt does not carry: a start without slip, with a warning, or with `initial.strict` an error.
+/// A torque that the belt does not carry: a start without slip, with a warning, or with
+/// `initial.strict` an error.
 #[test]
 fn a_torque_beyond_capacity_is_a_warning_or_an_error() {
     let mut settings = settings();

@@ -34,7 +34,8 @@ fn a_stored_state_continues_bit_for_bit() {
     assert_eq!(one, other);
 }
 
-/// A copy, stored bytes and a step that can't be done give back every reading, also while a coefficient is set and not yet in force.
+/// A copy, stored bytes and a step that can't be done give back every reading, also while a
+/// coefficient is set and not yet in force.
 #[test]
 fn each_way_back_gives_every_reading() {
     let mut settings = settings();
@@ -81,7 +82,8 @@ fn each_number_of_a_stored_state_is_checked() {
     }
 }
 
-/// Loads without a solution end in an error after a number of steps that is bounded. State and inputs are then as before.
+/// Loads without a solution end in an error after a number of steps that is bounded. State and
+/// inputs are then as before.
 #[test]
 fn a_step_without_a_solution_ends_and_leaves_all_as_before() {
     for (torque, to) in [(f64::INFINITY, 0.025), (f64::NAN, 1e3)] {

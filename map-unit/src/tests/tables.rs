@@ -14,7 +14,8 @@ fn places_are_found_on_long_and_short_axes() {
     assert_eq!(UniformAxis::over(&[2.0], 5).find(7.0), (0, 0.0));
 }
 
-/// As those of scipy's PchipInterpolator. In the second one the tangent at the beginning is limited, and the rise changes its sign.
+/// As those of scipy's PchipInterpolator. In the second one the tangent at the beginning is
+/// limited, and the rise changes its sign.
 #[test]
 fn cubics_are_monotone() {
     let x = [[0.0, 0.5, 2.0, 2.2, 4.0], [0.0, 1.0, 1.5, 3.0, 4.0]];

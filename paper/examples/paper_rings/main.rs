@@ -1,9 +1,10 @@
 //! The ring tests of the paper's 5.3, for every ring model, as CSV files for `cargo fmu paper`.
 //!
-//! `cargo run --release --package pushbelt-paper --example paper_rings -- --output target/paper/rings`
+//! `cargo run --release --package pushbelt-paper --example paper_rings -- --output
+//! target/paper/rings`
 //!
-//! The measurements are those of the tests of the ring (`pushbelt_paper_lab`). Each line of the output is a finished
-//! job: its number, the number of jobs, and its name.
+//! The measurements are those of the tests of the ring (`pushbelt_paper_lab`). Each line of the
+//! output is a finished job: its number, the number of jobs, and its name.
 
 mod tables;
 
@@ -323,8 +324,8 @@ fn swing<C: AngledCurve + Debug>(tables: &mut Tables, name: &str, curve: C, mesh
     tables.record(("6", name, &solid_curve()), &system, &record);
 }
 
-/// The paper's fig. 6 and 7 on the ring of a belt: all its layers, and one of them. Both last as many bending times as the figures of the thick
-/// ring.
+/// The paper's fig. 6 and 7 on the ring of a belt: all its layers, and one of them. Both last as
+/// many bending times as the figures of the thick ring.
 fn belt_rings(jobs: &mut Vec<Job>, plan: Plan) {
     job(jobs, "ring of bench168: reference oscillation", move |tables| {
         let specimen = Specimen::bench168();
@@ -371,8 +372,8 @@ fn released<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan, specimen: Specim
     });
 }
 
-/// Ratio of smallest to largest eigenvalue of the mass matrix, without held unknowns and with those of the model, in units
-/// in which every overlay has the mass of a node.
+/// Ratio of smallest to largest eigenvalue of the mass matrix, without held unknowns and with those
+/// of the model, in units in which every overlay has the mass of a node.
 fn mass_condition<C: AngledCurve + Debug>(system: &RingSystem<AleRing<C>>) -> [f64; 2] {
     let mass = system.mass_matrix(&system.rest(0.4).q);
     let scaled = |free: &[usize]| {

@@ -16,7 +16,8 @@ pub trait Case<const D: usize = 2, const N: usize = 10> {
     /// The model on a curve.
     type Model<C: AngledCurve + Debug>: RingFormulation<D, N>;
     const NAME: &'static str;
-    /// Order of convergence of frequencies in the element length, if both stretch and bending are relevant.
+    /// Order of convergence of frequencies in the element length, if both stretch and bending are
+    /// relevant.
     const ORDER: f64;
     /// Elements of 160 degrees of freedom, as in the paper.
     const ELEMENTS: usize = 40;

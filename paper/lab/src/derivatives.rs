@@ -10,7 +10,8 @@ use super::motion::residual;
 use super::specimens::{solid, solid_curve, without_stiffness};
 use pushbelt_support::noise;
 
-/// Number of elements in the tests of derivatives. It is large enough for every kind of neighbourhood.
+/// Number of elements in the tests of derivatives. It is large enough for every kind of
+/// neighbourhood.
 pub const FEW: usize = 12;
 
 /// A ring on the reference curve at Θ with deflections of a few per cent, in motion.
@@ -82,7 +83,8 @@ pub fn inertia_by_differences<M: RingFormulation<D, N>, const D: usize, const N:
     force
 }
 
-/// P (12): the velocity at a unit rate is that of the particle at ξ = x̄ + s. Largest difference of the columns, m.
+/// P (12): the velocity at a unit rate is that of the particle at ξ = x̄ + s. Largest difference of
+/// the columns, m.
 pub fn velocity_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let system = S::system(solid(), solid_curve(), FEW);
     let mut state = waving(&system, 0.25, 1.0);
@@ -109,8 +111,8 @@ pub fn velocity_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     off
 }
 
-/// The residual at rest is ∂V/∂q, including moving arc borders, where the curvature jumps. Largest difference relative to
-/// the largest force.
+/// The residual at rest is ∂V/∂q, including moving arc borders, where the curvature jumps. Largest
+/// difference relative to the largest force.
 pub fn elastic_force_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let mut system = S::system(solid(), solid_curve(), FEW);
     system.held.clear();
@@ -132,7 +134,8 @@ pub fn elastic_force_error<S: Case<D, N>, const D: usize, const N: usize>() -> f
     off / force.amax()
 }
 
-/// Inertia is M q̈ + Ṁq̇ − ∂T/∂q of the discrete ring. Largest difference relative to the largest force.
+/// Inertia is M q̈ + Ṁq̇ − ∂T/∂q of the discrete ring. Largest difference relative to the largest
+/// force.
 pub fn inertia_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let mut system = S::system(solid(), solid_curve(), FEW);
     *system.model.ring_mut() = without_stiffness(system.model.ring());

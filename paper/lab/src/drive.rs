@@ -1,18 +1,21 @@
-//! The reference curve of a belt drive with any number of pulleys, back-side idlers included (paper section 7).
+//! The reference curve of a belt drive with any number of pulleys, back-side idlers included (paper
+//! section 7).
 //!
-//! Pulleys are listed clockwise along the belt. A pulley inside the loop has a positive radius ρ; one on the back of the
-//! belt has a negative ρ. With t = (sin χ, cos χ), n = (cos χ, −sin χ) the belt on a pulley is at O − ρ n, so the strand
-//! from pulley j to the next has D = O' − O = b t + (ρ' − ρ) n:
+//! Pulleys are listed clockwise along the belt. A pulley inside the loop has a positive radius ρ;
+//! one on the back of the belt has a negative ρ. With t = (sin χ, cos χ), n = (cos χ, −sin χ) the
+//! belt on a pulley is at O − ρ n, so the strand from pulley j to the next has D = O' − O = b t +
+//! (ρ' − ρ) n:
 //!
 //! b = √(D² − (ρ'−ρ)²), χ = atan2(D_x, D_y) − asin((ρ'−ρ)/|D|),
 //!
-//! and the arc on a pulley has the length ρ (χ_out − χ_in); χ_out − χ_in has the sign of ρ. The sum over all arcs is
-//! 2π. The curve starts at the leftmost point of pulley 0, χ = 0, which must lie on its arc. Its segments are the rest
-//! of that arc, strand, arc, …, strand, and the beginning of that arc.
+//! and the arc on a pulley has the length ρ (χ_out − χ_in); χ_out − χ_in has the sign of ρ. The sum
+//! over all arcs is 2π. The curve starts at the leftmost point of pulley 0, χ = 0, which must lie
+//! on its arc. Its segments are the rest of that arc, strand, arc, …, strand, and the beginning of
+//! that arc.
 //!
-//! Without a [`Tensioner`] all axes are fixed, the belt has the length that fits, and there is no Θ. A tensioner carries
-//! one pulley on an arm about a pivot. Θ is the arm's angle, and the arm's length a(Θ) keeps the belt's length constant, as
-//! r_P(Θ) does in a variator.
+//! Without a [`Tensioner`] all axes are fixed, the belt has the length that fits, and there is no
+//! Θ. A tensioner carries one pulley on an arm about a pivot. Θ is the arm's angle, and the arm's
+//! length a(Θ) keeps the belt's length constant, as r_P(Θ) does in a variator.
 
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};
@@ -68,7 +71,8 @@ pub struct BeltDrive<const N: usize> {
 const NEWTON_STEPS: usize = 50;
 /// Newton's last step as a share of the belt's length, below rounding.
 const LAST_STEP: f64 = 1e-16;
-/// Largest arc of a pulley, rad: three quarters of a turn. A larger arc means a strand on the wrong side.
+/// Largest arc of a pulley, rad: three quarters of a turn. A larger arc means a strand on the wrong
+/// side.
 const LARGEST_WRAP: f64 = 0.75 * TAU;
 
 /// The arm of a [`Tensioner`] with the length that it has for Θ = 0.
@@ -165,7 +169,8 @@ impl<const N: usize> BeltDrive<N> {
         })
     }
 
-    /// The same drive with a pulley on an arm. Θ is the clockwise rotation of the arm from this position, rad.
+    /// The same drive with a pulley on an arm. Θ is the clockwise rotation of the arm from this
+    /// position, rad.
     ///
     /// # Errors
     /// [`DriveError::Tensioner`].

@@ -1,5 +1,6 @@
-//! The ring alone as a [`system`], on the curves of [`drive`] and [`Circle`]: specimens, cases and measurements of the
-//! tests and of the report on the paper (`examples/paper_rings`). Also the rings of a variator by name.
+//! The ring alone as a [`system`], on the curves of [`drive`] and [`Circle`]: specimens, cases and
+//! measurements of the tests and of the report on the paper (`examples/paper_rings`). Also the
+//! rings of a variator by name.
 
 mod belts;
 mod cases;

@@ -18,8 +18,8 @@ pub fn residual<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     DVector::from_vec(out)
 }
 
-/// Integrator with fixed steps. Errors of Newton's method in the velocities accumulate over the steps of the finest
-/// resolution, so its tolerance is below the default.
+/// Integrator with fixed steps. Errors of Newton's method in the velocities accumulate over the
+/// steps of the finest resolution, so its tolerance is below the default.
 pub fn fixed_steps<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &mut RingSystem<M, D, N>,
     step: f64,
@@ -57,7 +57,8 @@ pub fn run<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     advance(integrator, system, state, [from, to]).expect("the free ring can be integrated");
 }
 
-/// Angular frequency and shape of the small oscillation about the rest state `state` nearest to `near`, rad/s.
+/// Angular frequency and shape of the small oscillation about the rest state `state` nearest to
+/// `near`, rad/s.
 pub fn mode<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &RingSystem<M, D, N>,
     state: &State,

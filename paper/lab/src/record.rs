@@ -49,7 +49,8 @@ impl Record {
     }
 }
 
-/// Runs from `state` for `count` times `step`, s. Ends early if the integrator fails or |Θ| exceeds `limit`.
+/// Runs from `state` for `count` times `step`, s. Ends early if the integrator fails or |Θ| exceeds
+/// `limit`.
 pub fn record<M: RingFormulation>(
     system: &mut RingSystem<M>,
     mut state: State,

@@ -68,8 +68,9 @@ impl Specimen {
     }
 }
 
-/// The ring of the reference numbers for the paper's fig. 6 and 7: L = 1 m, d_A = 0.2 m, a plate rather than a ring of a belt. EA
-/// belongs to the same steel section (E = 2.1e11 N/m², ρ = 7800 kg/m³).
+/// The ring of the reference numbers for the paper's fig. 6 and 7: L = 1 m, d_A = 0.2 m, a plate
+/// rather than a ring of a belt. EA belongs to the same steel section (E = 2.1e11 N/m², ρ = 7800
+/// kg/m³).
 pub fn solid() -> Ring {
     Ring {
         mass_per_length: 154.0,

@@ -17,8 +17,8 @@ use super::motion::{fixed_steps, mode, nodes, ovality, run};
 use super::record::{Record, record};
 use super::specimens::{BAND_LENGTH, Specimen, band, band_circle, thin_ring_frequency, two_arc};
 
-/// Heights of the middles of the upper and the lower strand above their chords, outwards, m. The strands are those of
-/// the reference curve at Θ = 0.4.
+/// Heights of the middles of the upper and the lower strand above their chords, outwards, m. The
+/// strands are those of the reference curve at Θ = 0.4.
 pub fn bulges<M: RingFormulation>(curve: &TwoPulley, system: &RingSystem<M>, state: &State) -> [f64; 2] {
     let frame = curve.frame::<f64>(0.4);
     [1, 3].map(|segment| {
@@ -31,7 +31,8 @@ pub fn bulges<M: RingFormulation>(curve: &TwoPulley, system: &RingSystem<M>, sta
     })
 }
 
-/// Paper fig. 7: the thick ring of about `elements` elements from Θ = 0.4 at rest, `count` times 50 µs.
+/// Paper fig. 7: the thick ring of about `elements` elements from Θ = 0.4 at rest, `count` times 50
+/// µs.
 pub fn deformable_ring<S: Case>(
     elements: usize,
     tolerance: f64,
@@ -66,8 +67,8 @@ pub struct RunningRing {
     pub counts: Counts,
 }
 
-/// A ring that runs on a circle has EAγ = m_r ṡ²(1 + γ) and a constant shape in space. One turn in `steps` fixed steps;
-/// with 0, steps are adapted to a tolerance of 1e-5.
+/// A ring that runs on a circle has EAγ = m_r ṡ²(1 + γ) and a constant shape in space. One turn in
+/// `steps` fixed steps; with 0, steps are adapted to a tolerance of 1e-5.
 pub fn running_ring<S: Case>(elements: usize, steps: usize) -> RunningRing {
     let ring = band(0.185e-3);
     let radius = BAND_LENGTH / TAU;
@@ -142,7 +143,8 @@ pub struct Swing {
     pub counts: Counts,
 }
 
-/// The band from the two-arc shape at rest (paper 5.3; cables of Exudyn have 9.22 Hz with 80 elements, `examples/peers/exudyn_ring.py`).
+/// The band from the two-arc shape at rest (paper 5.3; cables of Exudyn have 9.22 Hz with 80
+/// elements, `examples/peers/exudyn_ring.py`).
 pub fn two_arc_swing<S: Case>(tolerance: f64) -> Swing {
     let mut system = S::system(band(0.185e-3), band_circle(), S::ELEMENTS);
     system.tolerance = tolerance;
@@ -169,7 +171,8 @@ pub fn two_arc_swing<S: Case>(tolerance: f64) -> Swing {
     }
 }
 
-/// A free band of `thickness` in its first bending mode, `amplitude` in units of the radius; with its frequency, rad/s.
+/// A free band of `thickness` in its first bending mode, `amplitude` in units of the radius; with
+/// its frequency, rad/s.
 pub fn swinging_band<S: Case>(thickness: f64, amplitude: f64) -> (RingSystem<S::Model<Circle>>, State, f64) {
     let ring = band(thickness);
     let near = 1.01 * TAU * thin_ring_frequency(&ring, BAND_LENGTH / TAU);
@@ -187,7 +190,8 @@ pub fn swinging_band<S: Case>(thickness: f64, amplitude: f64) -> (RingSystem<S::
     (system, state, omega)
 }
 
-/// Errors of the nodes' places after 1.2 periods of an oscillating band, with these numbers of fixed steps per period, m.
+/// Errors of the nodes' places after 1.2 periods of an oscillating band, with these numbers of
+/// fixed steps per period, m.
 pub fn time_errors<S: Case>(thickness: f64, ladder: [f64; 3]) -> [f64; 3] {
     let shape = |steps: f64| {
         let (mut system, mut state, omega) = swinging_band::<S>(thickness, 1.0e-2);

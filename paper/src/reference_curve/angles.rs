@@ -1,9 +1,11 @@
-//! What the comparison needs of a reference curve beyond the variator: its tangent angle, its points by ξ, and whether it changes with Θ.
+//! What the comparison needs of a reference curve beyond the variator: its tangent angle, its
+//! points by ξ, and whether it changes with Θ.
 
 use super::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::scalar::Real;
 
-/// The tangent angle of the reference curve and its rate along ξ, each with its derivatives with respect to Θ.
+/// The tangent angle of the reference curve and its rate along ξ, each with its derivatives with
+/// respect to Θ.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentAngle<T> {
     /// Tangent angle χ at fixed η, rad.

@@ -1,9 +1,10 @@
-//! A curve for a mesh that does not follow its arcs. Mesh points are at fixed ξ, as in the paper, and arc borders move
-//! through the elements as Θ changes.
+//! A curve for a mesh that does not follow its arcs. Mesh points are at fixed ξ, as in the paper,
+//! and arc borders move through the elements as Θ changes.
 //!
-//! With F(ξ, Θ) the curve and ξ(η, Θ) its own mesh: ∂F/∂Θ = ∂r/∂Θ|_η − ξ_Θ t, χ_Θ|_ξ = χ_Θ|_η − ξ_Θ κ, and so on; the
-//! curvature of an arc does not depend on ξ, so κ_Θ is the same. As in the paper's (18), the border terms are missing: when
-//! a border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature lacks ½EI\[κ²\] dξ_k/dΘ.
+//! With F(ξ, Θ) the curve and ξ(η, Θ) its own mesh: ∂F/∂Θ = ∂r/∂Θ|_η − ξ_Θ t, χ_Θ|_ξ = χ_Θ|_η − ξ_Θ
+//! κ, and so on; the curvature of an arc does not depend on ξ, so κ_Θ is the same. As in the
+//! paper's (18), the border terms are missing: when a border passes a quadrature point, κ jumps
+//! there, and the force −∂V/∂Θ of the quadrature lacks ½EI\[κ²\] dξ_k/dΘ.
 
 use super::{
     AngledCurve, CoordinateDerivatives, Jet, PointDerivatives, ReferenceCurve, ReferencePoint, TangentAngle,
@@ -45,8 +46,8 @@ impl<C: AngledCurve> Unaligned<C> {
         }
     }
 
-    /// The results of `of` for the segment of each place in a pack. `merge` returns the second of two in the lanes where its first
-    /// argument is positive, else the third.
+    /// The results of `of` for the segment of each place in a pack. `merge` returns the second of
+    /// two in the lanes where its first argument is positive, else the third.
     pub(crate) fn gather<T: Real, R>(
         frame: &UnalignedFrame<C::Frame<T>>,
         fraction: T::Constant,
@@ -73,8 +74,8 @@ impl<C: AngledCurve> Unaligned<C> {
         found.unwrap_or_else(|| of(0))
     }
 
-    /// The fraction of `segment` at a fraction of the whole curve: its value, and a zero with its derivatives with respect
-    /// to Θ.
+    /// The fraction of `segment` at a fraction of the whole curve: its value, and a zero with its
+    /// derivatives with respect to Θ.
     pub(crate) fn within<T: Real>(
         frame: &UnalignedFrame<C::Frame<T>>,
         segment: usize,
@@ -155,8 +156,8 @@ impl<C: AngledCurve> Unaligned<C> {
     }
 }
 
-/// Scalars with derivatives have first derivatives only. Places in the lanes of a pack may lie on different segments; Θ is
-/// the same in all lanes.
+/// Scalars with derivatives have first derivatives only. Places in the lanes of a pack may lie on
+/// different segments; Θ is the same in all lanes.
 impl<C: AngledCurve> ReferenceCurve for Unaligned<C> {
     type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
 

@@ -1,9 +1,10 @@
 //! `ALE` and `ALE0` as a ring model, with the kinematics and the beam law of the variator.
 //!
-//! r = R(ξ, Θ) + Σ A_i S_i q_fi (10). A_i is the identity, or [t, n]_ref, see [`OverlayDirections`]. s and Θ duplicate
-//! motions of q_f, so node 0 is locked to the reference curve: along the curve because of s, across it because of Θ. A
-//! curve without a ratio has the first lock only; a second would constrain the free ring. `ALE0` locks every node, so
-//! the ring has s and Θ alone.
+//! r = R(ξ, Θ) + Σ A_i S_i q_fi (10). A_i is the identity, or [t, n]_ref, see
+//! [`OverlayDirections`]. s and Θ duplicate motions of q_f, so node 0 is locked to the reference
+//! curve: along the curve because of s, across it because of Θ. A curve without a ratio has the
+//! first lock only; a second would constrain the free ring. `ALE0` locks every node, so the ring
+//! has s and Θ alone.
 //!
 //! In space (D = 3) nodes also deflect along z, without locks: s and Θ do not move along z.
 
@@ -20,8 +21,8 @@ use crate::reference_curve::{AngledCurve, Jet, ReferencePoint};
 use crate::scalar::Real;
 use nalgebra::{SVector, Vector2};
 
-/// Implemented for D components and N = 4D + 2, the number of unknowns of an element: deflection and slope of two nodes, s
-/// and Θ.
+/// Implemented for D components and N = 4D + 2, the number of unknowns of an element: deflection
+/// and slope of two nodes, s and Θ.
 pub trait UnknownCount<const N: usize> {}
 /// A deflection with D components.
 #[derive(Debug)]
@@ -32,7 +33,8 @@ impl UnknownCount<14> for Deflection<3> {}
 /// Form in which the inertia is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
-    /// Conserves energy and drift momentum of the discrete ring exactly (`add_conservative_inertia`).
+    /// Conserves energy and drift momentum of the discrete ring exactly
+    /// (`add_conservative_inertia`).
     Conservative,
     /// The force of inertia at each point (`ale::add_inertia`).
     Pointwise,
@@ -44,9 +46,9 @@ pub enum OverlayDirections {
     /// A_i = identity: x and y. The paper's choice for the variator, and the default.
     #[default]
     Fixed,
-    /// A_i = [t, n]_ref: along the reference curve and inwards. The deflection rotates with the curve as Θ changes.
-    /// Slopes of nodes are those of the deflection itself, resolved in t and n, so that the ring's tangent is
-    /// continuous where an arc meets a strand and A_i' jumps.
+    /// A_i = [t, n]_ref: along the reference curve and inwards. The deflection rotates with the
+    /// curve as Θ changes. Slopes of nodes are those of the deflection itself, resolved in t and n,
+    /// so that the ring's tangent is continuous where an arc meets a strand and A_i' jumps.
     Reference,
 }
 
@@ -456,7 +458,8 @@ where
 ///
 /// m_r [(∂v/∂t|_η + λ v)·δv + v·(r')˙ δw − w v·δr' − ½ λ_Θ v² δΘ],
 ///
-/// λ = λ_Θ Θ̇ the rate at which dξ grows; `dilation` = λ_Θ = (∂l/∂Θ)/l of the element, `theta_rate` = Θ̇.
+/// λ = λ_Θ Θ̇ the rate at which dξ grows; `dilation` = λ_Θ = (∂l/∂Θ)/l of the element, `theta_rate`
+/// = Θ̇.
 #[inline(always)]
 fn add_conservative_inertia<T: Real, const D: usize>(
     ring: &Ring,

@@ -1,11 +1,12 @@
-//! `ANCF`: planar absolute nodal coordinates, the gradient-deficient cable element of two nodes (Shabana 1997,
-//! Multibody Syst. Dyn. 1, 339–348; elastic forces: Berzeri and Shabana 2000, J. Sound Vib. 235, 539–565).
+//! `ANCF`: planar absolute nodal coordinates, the gradient-deficient cable element of two nodes
+//! (Shabana 1997, Multibody Syst. Dyn. 1, 339–348; elastic forces: Berzeri and Shabana 2000, J.
+//! Sound Vib. 235, 539–565).
 //!
-//! The unknowns of a node are its position and its gradient r' = ∂r/∂x̄; the interpolation is by cubic Hermite
-//! functions, as for the overlay of the ALE ring (paper 5.2). r is linear in the unknowns, so the mass matrix is
-//! constant. Strain and curvature are those of `beam.rs`, with the membrane strain at each quadrature point. Cubic
-//! position and pointwise strain make the membrane of a thin curved element too stiff (locking), as observed in the
-//! paper's 5.4.
+//! The unknowns of a node are its position and its gradient r' = ∂r/∂x̄; the interpolation is by
+//! cubic Hermite functions, as for the overlay of the ALE ring (paper 5.2). r is linear in the
+//! unknowns, so the mass matrix is constant. Strain and curvature are those of `beam.rs`, with the
+//! membrane strain at each quadrature point. Cubic position and pointwise strain make the membrane
+//! of a thin curved element too stiff (locking), as observed in the paper's 5.4.
 
 use super::kinematics::{Hermite, Motion, combine};
 use super::lagrangian::{LagrangianElement, LagrangianRing};

@@ -1,10 +1,12 @@
-//! The planar geometrically exact Kirchhoff beam, for rings whose unknowns are positions: `ANCF` and `RCM`.
+//! The planar geometrically exact Kirchhoff beam, for rings whose unknowns are positions: `ANCF`
+//! and `RCM`.
 //!
-//! V = ½∫EA γ² dx̄ + ½∫EI κ² dx̄, γ = |r'| − 1, stress-free when straight. κ = (r' × r'')/|r'|² is the turning of the
-//! cross section per *unstretched* length, which is conjugate to the bending moment (Gerstmayr and Irschik 2008, J.
-//! Sound Vib. 318, 461–487). Berzeri and Shabana (2000, J. Sound Vib. 235, 539–565) list this beam's elastic forces in
-//! absolute nodal coordinates with the geometric curvature (r' × r'')/|r'|³; the two differ by the factor 1 + γ, and
-//! with the latter a uniformly stretched circle has bending forces along it.
+//! V = ½∫EA γ² dx̄ + ½∫EI κ² dx̄, γ = |r'| − 1, stress-free when straight. κ = (r' × r'')/|r'|² is
+//! the turning of the cross section per *unstretched* length, which is conjugate to the bending
+//! moment (Gerstmayr and Irschik 2008, J. Sound Vib. 318, 461–487). Berzeri and Shabana (2000, J.
+//! Sound Vib. 235, 539–565) list this beam's elastic forces in absolute nodal coordinates with the
+//! geometric curvature (r' × r'')/|r'|³; the two differ by the factor 1 + γ, and with the latter a
+//! uniformly stretched circle has bending forces along it.
 //!
 //! Damping as in [`super::ale`]: T = EA (γ + η Dγ/Dt).
 

@@ -1,8 +1,9 @@
 //! A ring on a mesh that travels with it: Lagrangian elements of equal unstretched length l = L/n.
 //!
-//! The unknowns are positions, so s and Θ are not coordinates of the motion. s measures the displacement of the mesh: the
-//! particle at ξ is at x̄ = ξ − s (1). s follows from the mean drift, ṡ = ∮v·r' dx̄ / ∮r'·r' dx̄, the least-squares fit of
-//! ṡ r' to v. Θ determines only the stations on the reference curve and is held.
+//! The unknowns are positions, so s and Θ are not coordinates of the motion. s measures the
+//! displacement of the mesh: the particle at ξ is at x̄ = ξ − s (1). s follows from the mean drift,
+//! ṡ = ∮v·r' dx̄ / ∮r'·r' dx̄, the least-squares fit of ṡ r' to v. Θ determines only the stations
+//! on the reference curve and is held.
 
 use super::Ring;
 use super::beam;
@@ -22,7 +23,8 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + Send + Sync + 'static {
     /// Whether the membrane energy uses the mean strain of an element, or the strain at each point.
     const MEAN_STRAIN: bool;
 
-    /// Shape functions at a place. `W` is a mesh constant, or the scalar itself where the mesh moves past a fixed place.
+    /// Shape functions at a place. `W` is a mesh constant, or the scalar itself where the mesh
+    /// moves past a fixed place.
     type ShapeFunctions<W: Real>: Clone + std::fmt::Debug + Send + Sync;
 
     /// Motion of an element.
@@ -37,7 +39,8 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + Send + Sync + 'static {
     /// Shape functions at x ∈ [−1, 1].
     fn shape<W: Real>(x: W) -> Self::ShapeFunctions<W>;
 
-    /// Sets the unknowns of the `block` of an element that begins at x̄ = `start` and is on `shape`.
+    /// Sets the unknowns of the `block` of an element that begins at x̄ = `start` and is on
+    /// `shape`.
     fn place_on(length: f64, start: f64, shape: RingShape<'_>, block: &mut [f64]);
 
     /// Motion of an element from its unknowns.
@@ -76,7 +79,8 @@ pub struct LagrangianRing<E: LagrangianElement, C> {
 }
 
 impl<E: LagrangianElement, C: AngledCurve> LagrangianRing<E, C> {
-    /// A ring of `elements` ≥ 3 elements with `points` Gauss points each (2 to 5), for a reference curve.
+    /// A ring of `elements` ≥ 3 elements with `points` Gauss points each (2 to 5), for a reference
+    /// curve.
     #[must_use]
     pub fn new(ring: Ring, curve: C, elements: usize, points: usize) -> Self {
         let quadrature = gauss(points);
@@ -101,8 +105,8 @@ impl<E: LagrangianElement, C: AngledCurve> LagrangianRing<E, C> {
         E::motion(self.element_length(), &motion[..NODAL])
     }
 
-    /// The particle at the local coordinate x of an element with these unknowns. x may have derivatives: a station fixed in
-    /// space is at x̄ = ξ(Θ) − s, so x depends on s and Θ.
+    /// The particle at the local coordinate x of an element with these unknowns. x may have
+    /// derivatives: a station fixed in space is at x̄ = ξ(Θ) − s, so x depends on s and Θ.
     #[inline(always)]
     pub fn particle_at<T: Real + Mul<W, Output = T>, W: Real>(
         &self,

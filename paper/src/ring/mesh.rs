@@ -2,8 +2,8 @@
 
 pub use pushbelt::ring::mesh::*;
 
-/// Mesh of a ring alone: elements around the loop with their quadrature points. Node k is the left end of
-/// element k; node 0 is at ξ = 0.
+/// Mesh of a ring alone: elements around the loop with their quadrature points. Node k is the left
+/// end of element k; node 0 is at ξ = 0.
 #[derive(Clone, Debug)]
 pub struct RingMesh {
     /// The elements in the order of ξ.
@@ -15,8 +15,8 @@ pub struct RingMesh {
 }
 
 impl RingMesh {
-    /// Divides each segment into a number of elements, with `points` Gauss points each (2 to 5). With fewer than three the
-    /// membrane energy is under-integrated and hourglass modes occur.
+    /// Divides each segment into a number of elements, with `points` Gauss points each (2 to 5).
+    /// With fewer than three the membrane energy is under-integrated and hourglass modes occur.
     #[must_use]
     pub fn new(segments: &[(usize, Spacing)], points: usize) -> Self {
         let elements: Vec<Element> = segments

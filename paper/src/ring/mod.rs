@@ -1,4 +1,5 @@
-//! Ring models behind one trait, [`model::RingFormulation`]: [`ale_ring::AleRing`], [`ancf::Ancf`] and [`rcm::Rcm`].
+//! Ring models behind one trait, [`model::RingFormulation`]: [`ale_ring::AleRing`], [`ancf::Ancf`]
+//! and [`rcm::Rcm`].
 
 pub mod ale_ring;
 pub mod ancf;

@@ -1,9 +1,10 @@
 //! The trait of a ring model: the law of one element as a function of its unknowns.
 //!
-//! Unknowns are in blocks around the loop, one block per ring element: its left node, then unknowns of the element alone.
-//! The border holds the drift s and Θ. An element depends on N unknowns: those of its own block, the next block's node,
-//! s and Θ; N = 10 in the plane. From their motion a model computes the ring's [`Particle`]s and the balance of inertia
-//! and elasticity, and it maps forces on particles to forces on unknowns. Particles have D = 2 components, or 3 in space.
+//! Unknowns are in blocks around the loop, one block per ring element: its left node, then unknowns
+//! of the element alone. The border holds the drift s and Θ. An element depends on N unknowns:
+//! those of its own block, the next block's node, s and Θ; N = 10 in the plane. From their motion a
+//! model computes the ring's [`Particle`]s and the balance of inertia and elasticity, and it maps
+//! forces on particles to forces on unknowns. Particles have D = 2 components, or 3 in space.
 //!
 //! | model | mesh | block | s | Θ |
 //! |---|---|---|---|---|
@@ -20,7 +21,8 @@ use super::particle::{Particle, ParticleLoad};
 use crate::scalar::{Lanes, Real};
 use nalgebra::SVector;
 
-/// Unknowns that an element of a planar ring depends on: eight of its block and the next node, then s and Θ.
+/// Unknowns that an element of a planar ring depends on: eight of its block and the next node, then
+/// s and Θ.
 pub const DIRECTIONS: usize = 10;
 /// Number of the [`DIRECTIONS`] that belong to blocks.
 pub const NODAL: usize = 8;
@@ -33,13 +35,14 @@ pub type Coordinates<T, const N: usize = DIRECTIONS> = [Motion<T>; N];
 /// Shape of a ring: (r, r') at ξ.
 pub type RingShape<'a, const D: usize = 2> = &'a dyn Fn(f64) -> [SVector<f64, D>; 2];
 
-/// A ring model on its mesh, with D components and N unknowns per element; s and Θ are the last two.
+/// A ring model on its mesh, with D components and N unknowns per element; s and Θ are the last
+/// two.
 pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + std::fmt::Debug {
     /// Unknowns in a block.
     const BLOCK: usize;
 
-    /// Whether the mesh travels with the ring. If so, its unknowns are positions, s follows from the mean drift and Θ is
-    /// held; otherwise s and Θ are coordinates of the motion.
+    /// Whether the mesh travels with the ring. If so, its unknowns are positions, s follows from
+    /// the mean drift and Θ is held; otherwise s and Θ are coordinates of the motion.
     const LAGRANGIAN: bool;
 
     /// Quantities that depend on Θ alone, computed once for all elements.
@@ -78,7 +81,8 @@ pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clon
     /// Sets the unknowns `q` so that the nodes are on the reference curve; `q[Θ]` is given.
     fn place_on_curve(&self, q: &mut [f64]);
 
-    /// The particle at the local coordinate x of an element, and the unstretched length dξ per dx there, m.
+    /// The particle at the local coordinate x of an element, and the unstretched length dξ per dx
+    /// there, m.
     fn particle<T: Real<Constant = f64>>(
         &self,
         frame: &Self::Frame<T>,
@@ -87,7 +91,8 @@ pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clon
         motion: &Coordinates<T, N>,
     ) -> (Particle<T, D>, T);
 
-    /// Generalised forces of a load on the particle at x, N: the transpose of [`RingFormulation::particle`]'s velocities.
+    /// Generalised forces of a load on the particle at x, N: the transpose of
+    /// [`RingFormulation::particle`]'s velocities.
     fn project<T: Real<Constant = f64>>(
         &self,
         frame: &Self::Frame<T>,
@@ -105,7 +110,8 @@ pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clon
         motion: &Coordinates<T, N>,
     ) -> [T; N];
 
-    /// [`RingFormulation::balance`] of an element in each lane; `None` if elements differ by more than their unknowns.
+    /// [`RingFormulation::balance`] of an element in each lane; `None` if elements differ by more
+    /// than their unknowns.
     #[inline(always)]
     fn balance_of_many<T: Real<Constant = Lanes>>(&self, _motion: &Coordinates<T, N>) -> Option<[T; N]> {
         None

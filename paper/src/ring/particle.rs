@@ -1,9 +1,11 @@
-//! A ring particle: position of the ring at a place, and motion of its material there. Every ring model computes its
-//! particles from its unknowns, and maps forces on them to forces on its unknowns.
+//! A ring particle: position of the ring at a place, and motion of its material there. Every ring
+//! model computes its particles from its unknowns, and maps forces on them to forces on its
+//! unknowns.
 //!
-//! A prime is the derivative along the unstretched ring, ∂/∂ξ at fixed time = ∂/∂x̄ (1), and velocities are those of
-//! the material. The mesh of stack and contact is fixed in space. The stack uses the ring at a mesh point η:
-//! [`Particle::at_station`] computes this [`RingPoint`] from the particle that passes there,
+//! A prime is the derivative along the unstretched ring, ∂/∂ξ at fixed time = ∂/∂x̄ (1), and
+//! velocities are those of the material. The mesh of stack and contact is fixed in space. The stack
+//! uses the ring at a mesh point η: [`Particle::at_station`] computes this [`RingPoint`] from the
+//! particle that passes there,
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
 
@@ -86,7 +88,8 @@ impl<T: Real, const D: usize> From<&RingPoint<T, D>> for Particle<T, D> {
     }
 }
 
-/// Forces per length on a particle, conjugate to its virtual displacement and the derivatives of that along ξ.
+/// Forces per length on a particle, conjugate to its virtual displacement and the derivatives of
+/// that along ξ.
 #[derive(Clone, Copy, Debug)]
 pub struct ParticleLoad<T: Real, const D: usize = 2> {
     /// Conjugate to δr, N/m.
@@ -109,8 +112,9 @@ impl<T: Real, const D: usize> ParticleLoad<T, D> {
     }
 }
 
-/// The load on a mesh point from one on the particle that passes it: virtual displacements at fixed x̄ are δr|_η + r' δσ,
-/// δσ the drift through the mesh. The part in δσ of a load on r'' is neglected, because it contains r'''.
+/// The load on a mesh point from one on the particle that passes it: virtual displacements at fixed
+/// x̄ are δr|_η + r' δσ, δσ the drift through the mesh. The part in δσ of a load on r'' is
+/// neglected, because it contains r'''.
 #[inline(always)]
 #[must_use]
 pub fn load_of_particle<T: Real, const D: usize>(

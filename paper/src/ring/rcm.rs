@@ -1,24 +1,29 @@
 //! `RCM`: the planar co-rotational ring in redundant coordinates.
 //!
-//! Source (the paper's [13, 14, 41, 43]; Zander and Ulbrich 2006, "Reference-free mixed FE-MBS approach for beam
-//! structures with constraints", Nonlinear Dyn. 46, as the paper's program MBSim has it in `FiniteElement1s21RCM`): the
-//! coordinates of an element are the positions and angles of its two nodes and two inner bending coordinates,
-//! (x₁, y₁, φ₁, c_L, c_R, x₂, y₂, φ₂), five unknowns per element of a ring. They determine a rigid-body motion of the
-//! element, one axial strain, and a small bending deflection. Neighbours share position and tangent of their node.
+//! Source (the paper's [13, 14, 41, 43]; Zander and Ulbrich 2006, "Reference-free mixed FE-MBS
+//! approach for beam structures with constraints", Nonlinear Dyn. 46, as the paper's program MBSim
+//! has it in `FiniteElement1s21RCM`): the coordinates of an element are the positions and angles of
+//! its two nodes and two inner bending coordinates, (x₁, y₁, φ₁, c_L, c_R, x₂, y₂, φ₂), five
+//! unknowns per element of a ring. They determine a rigid-body motion of the element, one axial
+//! strain, and a small bending deflection. Neighbours share position and tangent of their node.
 //!
-//! The formulation below is this project's own. The source's frame (at the middle of the element, its halves along the end
-//! tangents) has much longer formulas for the same beam. With x = x̄/l ∈ [0, 1] and ⊥ a right turn (inwards):
+//! The formulation below is this project's own. The source's frame (at the middle of the element,
+//! its halves along the end tangents) has much longer formulas for the same beam. With x = x̄/l ∈
+//! [0, 1] and ⊥ a right turn (inwards):
 //!
-//! - frame: the chord g = (r₂ − r₁)/l; lengths along and across it, c_L and c_R included, are in units of |g|,
-//! - bending: w(x) = l Σ p_k N_k(x) with N_k quintic, p = (θ₁, θ₂, c_L/l, c_R/l), so c_L and c_R are the deflections
-//!   at the quarter points; end slopes are θ_i = t(φ_i)·g⊥/g², so that
+//! - frame: the chord g = (r₂ − r₁)/l; lengths along and across it, c_L and c_R included, are in
+//!   units of |g|,
+//! - bending: w(x) = l Σ p_k N_k(x) with N_k quintic, p = (θ₁, θ₂, c_L/l, c_R/l), so c_L and c_R
+//!   are the deflections at the quarter points; end slopes are θ_i = t(φ_i)·g⊥/g², so that
 //!   g⊥ w' across the chord is the sine of the angle between tangent and chord (up to the strain),
-//! - the deflection shortens its projection: with u(x) = −½l [∫₀ˣ w'² − x∫₀¹ w'²], |r'| is uniform up to the order w'⁴,
+//! - the deflection shortens its projection: with u(x) = −½l [∫₀ˣ w'² − x∫₀¹ w'²], |r'| is uniform
+//!   up to the order w'⁴,
 //! - r = r₁ + g (x̄ + u) + g⊥ w.
 //!
-//! The equations contain φ in sine and cosine only, so rotations are unlimited. The energy is that of `beam.rs` with the
-//! mean strain of the element: the deflection of an inextensible arc has no membrane energy (no locking).
-//! Limits: an element must turn by less than about 1 rad; within an element the stretch is uniform up to w'⁴/8.
+//! The equations contain φ in sine and cosine only, so rotations are unlimited. The energy is that
+//! of `beam.rs` with the mean strain of the element: the deflection of an inextensible arc has no
+//! membrane energy (no locking). Limits: an element must turn by less than about 1 rad; within an
+//! element the stretch is uniform up to w'⁴/8.
 
 use super::kinematics::Motion;
 use super::lagrangian::{LagrangianElement, LagrangianRing};
@@ -36,8 +41,8 @@ pub type Rcm<C> = LagrangianRing<RcmElement, C>;
 #[derive(Clone, Debug)]
 pub enum RcmElement {}
 
-/// Coefficients of N_k in powers x¹ to x⁵: slope 1 at the left end, at the right end, value 1 at x = ¼, at x = ¾; each
-/// is zero in the other three conditions and at both ends.
+/// Coefficients of N_k in powers x¹ to x⁵: slope 1 at the left end, at the right end, value 1 at x
+/// = ¼, at x = ¾; each is zero in the other three conditions and at both ends.
 const BENDING: [[f64; 5]; 4] = [
     // x (1−x)² (x−¼)(x−¾)·16/3
     [1.0, -22.0 / 3.0, 17.0, -16.0, 16.0 / 3.0],

@@ -1,14 +1,18 @@
-//! The overlay in directions that rotate with the reference curve: A_i = [t, n]_ref in (10). In space the third column is
-//! e_z. b_ref = t × n = −e_z is also constant; with e_z the sign of w is the same for both choices of A_i.
+//! The overlay in directions that rotate with the reference curve: A_i = [t, n]_ref in (10). In
+//! space the third column is e_z. b_ref = t × n = −e_z is also constant; with e_z the sign of w is
+//! the same for both choices of A_i.
 //!
 //! With d = (d_t, d_n) along t and n, κ and χ of the reference curve, and J v = (v_n, −v_t):
 //!
-//! - u = A d, u' = A e, e = d' − κ J d, u'' = A (d'' − 2κ J d' − κ² d), since t' = κ n and n' = −κ t,
-//! - u̇ = A (ḋ − χ̇ J d), ü = A (d̈ − 2χ̇ J ḋ − χ̈ J d − χ̇² d), (u')˙ = A (ė − χ̇ J e), dots at fixed η.
+//! - u = A d, u' = A e, e = d' − κ J d, u'' = A (d'' − 2κ J d' − κ² d), since t' = κ n and n' = −κ
+//!   t,
+//! - u̇ = A (ḋ − χ̇ J d), ü = A (d̈ − 2χ̇ J ḋ − χ̈ J d − χ̇² d), (u')˙ = A (ė − χ̇ J e), dots at
+//!   fixed η.
 //!
-//! d is interpolated by the same Hermite functions as with fixed directions. κ is constant on an arc or strand and jumps
-//! at their borders, where a continuous d' would make the tangent of the ring discontinuous. The nodal unknown is therefore
-//! e, and an element has d' = e + κ J d with the curvature of its own side.
+//! d is interpolated by the same Hermite functions as with fixed directions. κ is constant on an
+//! arc or strand and jumps at their borders, where a continuous d' would make the tangent of the
+//! ring discontinuous. The nodal unknown is therefore e, and an element has d' = e + κ J d with the
+//! curvature of its own side.
 
 use super::kinematics::{
     ElementLoad, ElementMotion, Hermite, LineLoad, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane,
@@ -24,7 +28,8 @@ pub struct RotatedElement<T: Real> {
 }
 
 impl<T: Real> RotatedElement<T> {
-    /// Converts the slopes of `nodes` from e to d'. `curvature` is that of the reference curve at the two ends.
+    /// Converts the slopes of `nodes` from e to d'. `curvature` is that of the reference curve at
+    /// the two ends.
     pub fn new<const D: usize>(
         curvature: [Jet<T>; 2],
         theta: &Motion<T>,
@@ -89,7 +94,8 @@ pub fn rotated_point<T: Real, const D: usize>(
     RingPoint::of_motion(reference, std::array::from_fn(sum), motion)
 }
 
-/// Adds a load over the length `weight`, m, at a point of [`rotated_point`]: the transpose of its velocities.
+/// Adds a load over the length `weight`, m, at a point of [`rotated_point`]: the transpose of its
+/// velocities.
 pub fn rotated_load<T: Real, const D: usize>(
     load: &LineLoad<T, D>,
     point: &RingPoint<T, D>,

@@ -112,7 +112,8 @@ struct PassFrames {
     moving: [TwoPulleyFrame<Differentiated>; PASS],
 }
 
-/// Adds the derivatives of a cell's rows to the matrix, and records those of its transport quantities.
+/// Adds the derivatives of a cell's rows to the matrix, and records those of its transport
+/// quantities.
 fn add_cell_derivatives<E: LagrangianElement>(
     evaluation: &Evaluation<'_, E>,
     over: &CellOver,

@@ -20,7 +20,8 @@ pub(super) const PASS: usize = 4;
 /// A number with its derivatives in the directions of a pass.
 pub(super) type Differentiated = Tangent<PASS, f64>;
 
-/// Tension of an element at its mean strain, N, and its derivatives with respect to the element's unknowns.
+/// Tension of an element at its mean strain, N, and its derivatives with respect to the element's
+/// unknowns.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct MeanTension {
     pub value: f64,
@@ -238,7 +239,8 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
     }
 }
 
-/// Motion of the unknowns of an element: `seed` makes a scalar from a value, its direction and its derivative.
+/// Motion of the unknowns of an element: `seed` makes a scalar from a value, its direction and its
+/// derivative.
 pub(super) fn coordinates<T: Real>(
     layout: &Layout,
     view: View<'_>,

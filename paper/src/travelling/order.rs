@@ -1,8 +1,9 @@
 //! Order of the unknowns in the matrix for a travelling ring.
 //!
-//! Its nodes pass under the cells, so neighbours change. The order of the vector is constant. Each Jacobian sorts cells and
-//! nodes by their current position along the belt, and divides this order into blocks of equal size. The block size is
-//! the largest distance of two coupled unknowns, so the result is an arrow matrix.
+//! Its nodes pass under the cells, so neighbours change. The order of the vector is constant. Each
+//! Jacobian sorts cells and nodes by their current position along the belt, and divides this order
+//! into blocks of equal size. The block size is the largest distance of two coupled unknowns, so
+//! the result is an arrow matrix.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
 use pushbelt::variator::ring_models::{Belt, BeltMesh, CELL_POINTS, Cell, Layout};
@@ -85,7 +86,8 @@ fn shapes(parameters: &Parameters, curve: &TwoPulley) -> Vec<f64> {
         .collect()
 }
 
-/// Number and size of the blocks that contain every coupling of a travelling ring, at all ratios between the stops.
+/// Number and size of the blocks that contain every coupling of a travelling ring, at all ratios
+/// between the stops.
 pub(crate) fn blocks(
     layout: &Layout,
     mesh: &BeltMesh,

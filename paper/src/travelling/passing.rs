@@ -1,18 +1,20 @@
 //! A Lagrangian ring that passes under the cells: `ANCF` and `RCM` in the variator.
 //!
-//! The stations of stack and contact are fixed in space and the ring passes under them: the particle at a station ξ is
-//! x̄ = ξ − s (1). The ring's own forces are assembled on its own elements
-//! ([`LagrangianRing`](crate::ring::lagrangian::LagrangianRing)). The loads of stack and contact at a station act on the
-//! nodes of the element under it.
+//! The stations of stack and contact are fixed in space and the ring passes under them: the
+//! particle at a station ξ is x̄ = ξ − s (1). The ring's own forces are assembled on its own
+//! elements ([`LagrangianRing`](crate::ring::lagrangian::LagrangianRing)). The loads of stack and
+//! contact at a station act on the nodes of the element under it.
 //!
-//! s and Θ only move the mesh of the stations. As in `ALE` they duplicate motions of the ring, and two conditions with
-//! multipliers constrain them: the reference curve R follows the ring in the least-squares sense,
+//! s and Θ only move the mesh of the stations. As in `ALE` they duplicate motions of the ring, and
+//! two conditions with multipliers constrain them: the reference curve R follows the ring in the
+//! least-squares sense,
 //!
 //! ∮ (ḋ + d/τ)·G dξ = 0, d = r − R, with G = R' for s and G = ∂R/∂Θ for Θ.
 //!
-//! With δr|_η = δr − r' δw, δw = δs − (∂ξ/∂Θ) δΘ, every virtual motion of the mesh has a row, so the power between ring,
-//! stack and contact is balanced. The multipliers are small: they balance the force on s alone that results from the
-//! reference curvature in the pitch line (λ = |r'| − e κ_ref).
+//! With δr|_η = δr − r' δw, δw = δs − (∂ξ/∂Θ) δΘ, every virtual motion of the mesh has a row, so
+//! the power between ring, stack and contact is balanced. The multipliers are small: they balance
+//! the force on s alone that results from the reference curvature in the pitch line (λ = |r'| − e
+//! κ_ref).
 
 use crate::reference_curve::ReferencePoint;
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
@@ -30,8 +32,8 @@ use std::ops::Mul;
 /// Time constant τ with which the reference curve follows the ring, s: some passes of an element.
 const FOLLOWING_TIME: f64 = 0.02;
 
-/// Directions of a cell: unknowns of the elements under its points, V, V, N, then s, Θ, z, ψ_x, ψ_y, ω and two
-/// multipliers.
+/// Directions of a cell: unknowns of the elements under its points, V, V, N, then s, Θ, z, ψ_x,
+/// ψ_y, ω and two multipliers.
 pub(super) const MOST: usize = NODAL * CELL_POINTS + OTHERS;
 pub(super) const OTHERS: usize = 11;
 /// Index of the content among the others. Its row is the balance of the fluxes.
@@ -153,7 +155,8 @@ pub(super) struct PassingForces<T> {
     pub gauge: [T; 2],
 }
 
-/// The ring that passes under a cell. `W` is the scalar of places on the ring: a plain number where the mesh is fixed.
+/// The ring that passes under a cell. `W` is the scalar of places on the ring: a plain number where
+/// the mesh is fixed.
 pub(super) struct Passing<'a, T: Real, W: Real, E: LagrangianElement> {
     points: [Option<RingAtPoint<T, W, E>>; CELL_POINTS],
     motion: &'a ReferenceMotion<T>,

@@ -1,9 +1,10 @@
 //! Start of a travelling ring on the shape of the deflecting ring of `ALE`.
 //!
-//! Its nodes pass under the stations, so it has no steady state but a periodic one, with the period of an element. The
-//! steady solver computes the state of `ALE`. Position, slope and velocity of the nodes are those of its material;
-//! everything else is the same. The elements cannot follow this shape exactly and are stretched by it. This transient
-//! decays within the first pass of an element.
+//! Its nodes pass under the stations, so it has no steady state but a periodic one, with the period
+//! of an element. The steady solver computes the state of `ALE`. Position, slope and velocity of
+//! the nodes are those of its material; everything else is the same. The elements cannot follow
+//! this shape exactly and are stretched by it. This transient decays within the first pass of an
+//! element.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::ale_ring::AleRing;
@@ -16,10 +17,12 @@ use crate::solver::State;
 use pushbelt::variator::ring_models::Belt;
 use std::f64::consts::{PI, TAU};
 
-/// Half the time of the difference quotient of the unknowns, s, in which the ring moves by a micrometre.
+/// Half the time of the difference quotient of the unknowns, s, in which the ring moves by a
+/// micrometre.
 const MOMENT: f64 = 1.0e-7;
 
-/// The state of `belt` in which its `ring` has the shape of the deflecting ring of `ale`, on the same mesh.
+/// The state of `belt` in which its `ring` has the shape of the deflecting ring of `ale`, on the
+/// same mesh.
 #[must_use]
 pub(crate) fn state_on_ale<E: LagrangianElement>(
     belt: &Belt,

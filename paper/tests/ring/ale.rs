@@ -1,4 +1,5 @@
-//! The Eulerian ring: forms of its inertia, the reference motion, the choice of directions and of the mesh.
+//! The Eulerian ring: forms of its inertia, the reference motion, the choice of directions and of
+//! the mesh.
 
 use nalgebra::DVector;
 use pushbelt::solver::State;
@@ -13,8 +14,8 @@ use pushbelt_paper_lab::*;
 use pushbelt_support::checks::{assert_order, list};
 use std::f64::consts::TAU;
 
-/// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With `amplitude` 0 the state
-/// moves along s and Θ only.
+/// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With
+/// `amplitude` 0 the state moves along s and Θ only.
 fn smooth_wave<C: AngledCurve + std::fmt::Debug>(
     system: &RingSystem<AleRing<C>>,
     theta: f64,
@@ -70,8 +71,9 @@ fn wave_inertia_error<C: AngledCurve + std::fmt::Debug>(
     (direct - &expected).amax() / expected.amax()
 }
 
-/// The conservative form is Lagrange's on every mesh. The pointwise form differs from it by ∮∂(…)/∂ξ dξ = 0, which a
-/// quadrature integrates inexactly: the difference must decrease with Gauss points and with the mesh.
+/// The conservative form is Lagrange's on every mesh. The pointwise form differs from it by
+/// ∮∂(…)/∂ξ dξ = 0, which a quadrature integrates inexactly: the difference must decrease with
+/// Gauss points and with the mesh.
 #[test]
 fn forms_of_inertia() {
     let mesh =
@@ -101,8 +103,8 @@ fn forms_of_inertia() {
     assert!(by_mesh.windows(2).all(|e| e[1] < 0.1 * e[0]));
 }
 
-/// The printed (14), 2ρA q̇ᵀ∫PᵀṖ, holds only where ∫PᵀṖ is symmetric. On a circle P = [r', B] and Ṗ = [ṙ', 0]:
-/// the printed form has 2∫m_r v·ṙ' in the row of s and nothing in those of q_f.
+/// The printed (14), 2ρA q̇ᵀ∫PᵀṖ, holds only where ∫PᵀṖ is symmetric. On a circle P = [r', B] and Ṗ
+/// = [ṙ', 0]: the printed form has 2∫m_r v·ṙ' in the row of s and nothing in those of q_f.
 #[test]
 fn the_printed_convective_term_is_wrong() {
     let mut system = flexible(band_circle(), RingMesh::even(&[12], 5));
@@ -202,8 +204,9 @@ fn order_in_time_of_the_reference_motion() {
     assert_order("ALE0", &errors, 2.0);
 }
 
-/// Paper fig. 7: 8 elements, from Θ = 0.4 at rest for 0.3 ms. Largest energy drift relative to the energy. Later the
-/// leftmost point approaches the axis of S and Θ reaches its limit (Θ → 1 at 1.1 ms).
+/// Paper fig. 7: 8 elements, from Θ = 0.4 at rest for 0.3 ms. Largest energy drift relative to the
+/// energy. Later the leftmost point approaches the axis of S and Θ reaches its limit (Θ → 1 at 1.1
+/// ms).
 fn deformable_ring<C: AngledCurve + std::fmt::Debug>(
     curve: C,
     mesh: RingMesh,
@@ -256,9 +259,9 @@ fn swing<C: AngledCurve + std::fmt::Debug>(curve: C, mesh: RingMesh, tolerance: 
     record.energy_drift() / swing
 }
 
-/// The paper's even spacing: borders of arcs move through the elements. Where they pass a quadrature point, curvature and
-/// energy jump. The resulting drift is independent of tolerance and mesh, because the border term of dV/dΘ is missing. The
-/// aligned mesh has no such drift.
+/// The paper's even spacing: borders of arcs move through the elements. Where they pass a
+/// quadrature point, curvature and energy jump. The resulting drift is independent of tolerance and
+/// mesh, because the border term of dV/dΘ is missing. The aligned mesh has no such drift.
 #[test]
 fn evenly_spaced_mesh_does_not_conserve() {
     let even = |elements: usize, tolerance| {
@@ -274,10 +277,11 @@ fn evenly_spaced_mesh_does_not_conserve() {
     assert!(aligned < 1e-3 && evens.iter().all(|&drift| drift > 0.1));
 }
 
-/// Paper fig. 7: the ring moves along x, by millimetres within 0.4 ms. This is not due to beam law or inertia: moving all
-/// nodes at constant Θ has no energy, and with Θ held instead of node 0 the centre of mass is at rest. The cause is the
-/// lock of node 0 to the reference curve. Along x the node moves with Θ only, and Θ changes the energy at a fixed shape
-/// of the ring, because the bending measure (23) is relative to the curve. The lock therefore has a reaction force, of
+/// Paper fig. 7: the ring moves along x, by millimetres within 0.4 ms. This is not due to beam law
+/// or inertia: moving all nodes at constant Θ has no energy, and with Θ held instead of node 0 the
+/// centre of mass is at rest. The cause is the lock of node 0 to the reference curve. Along x the
+/// node moves with Θ only, and Θ changes the energy at a fixed shape of the ring, because the
+/// bending measure (23) is relative to the curve. The lock therefore has a reaction force, of
 /// second order in the deflection.
 #[test]
 fn a_lock_to_the_reference_curve_bears_a_force() {

@@ -1,4 +1,5 @@
-//! Another belt system with the same ring code: three pulleys, one of them a back-side idler (paper section 7).
+//! Another belt system with the same ring code: three pulleys, one of them a back-side idler (paper
+//! section 7).
 
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve};
@@ -93,7 +94,8 @@ fn the_laws_hold() {
     }
 }
 
-/// The bending energy is least with the arm upright. The arm oscillates about this position and conserves the energy.
+/// The bending energy is least with the arm upright. The arm oscillates about this position and
+/// conserves the energy.
 #[test]
 fn the_arm_oscillates() {
     let mut system = RingSystem::new(AleRing::rigid(solid(), tensioned(), mesh(1, 3)));
@@ -118,7 +120,8 @@ fn the_arm_oscillates() {
     assert!(drift < 1e-3 && (low + high).abs() < 0.02 * high && high < 0.3);
 }
 
-/// A running string is in equilibrium on every closed curve if EAγ = m ṡ²(1 + γ), also on one with a back bend.
+/// A running string is in equilibrium on every closed curve if EAγ = m ṡ²(1 + γ), also on one with
+/// a back bend.
 #[test]
 fn a_running_string_keeps_any_shape() {
     let ring = Ring {

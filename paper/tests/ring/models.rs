@@ -21,8 +21,8 @@ fn velocity_follows_the_particle<S: Case<D, N>, const D: usize, const N: usize>(
     assert!(off < 1e-8, "{off}");
 }
 
-/// Dv/Dt, v', strain rate and velocity on a path q(t): differences in time of the particle's place and slope. The
-/// Eulerian values at a station fixed in space agree.
+/// Dv/Dt, v', strain rate and velocity on a path q(t): differences in time of the particle's place
+/// and slope. The Eulerian values at a station fixed in space agree.
 fn acceleration_follows_the_particle<S: Case<D, N>, const D: usize, const N: usize>() {
     let system = S::system(solid(), solid_curve(), FEW);
     let state = waving(&system, -0.3, 1.0);
@@ -196,7 +196,8 @@ fn inertia_is_lagranges<S: Case<D, N>, const D: usize, const N: usize>() {
     assert!(off < 1e-8);
 }
 
-/// Paper fig. 7: in the first 0.2 ms the strands bulge outwards, and the energy's drift falls with the tolerance.
+/// Paper fig. 7: in the first 0.2 ms the strands bulge outwards, and the energy's drift falls with
+/// the tolerance.
 fn deformable_ring_bulges_and_conserves_energy<S: Case>() {
     let mut drifts = Vec::new();
     for tolerance in [1.0e-5, 1.0e-6, 1.0e-7] {
@@ -240,7 +241,8 @@ fn running_ring_stays_round<S: Case>() {
         found
     };
     if lagrangian(&S::system(solid(), band_circle(), FEW)) {
-        // Every node runs around the loop; its speed decreases by the integrator's damping, of order 3.
+        // Every node runs around the loop; its speed decreases by the integrator's damping, of
+        // order 3.
         let runs = [400, 800, 1600].map(|steps| run(40, steps));
         let observed = orders(&runs.each_ref().map(|run| run.drift), 2.0);
         assert!(observed.iter().all(|&order| order > 2.5), "{observed:?}");
@@ -290,8 +292,8 @@ fn two_arc_oscillation<S: Case>() {
     if lagrangian(&system) {
         assert!((frequency - 9.23).abs() < 0.05, "{frequency}");
     } else {
-        // With the linear curvature measure a large deflection from a circle oscillates too slowly. The bound is that of
-        // the measure, not of a ring.
+        // With the linear curvature measure a large deflection from a circle oscillates too slowly.
+        // The bound is that of the measure, not of a ring.
         assert!((8.4..8.7).contains(&frequency), "{frequency}");
     }
 }
@@ -330,8 +332,8 @@ fn order_in_space<S: Case>() {
     assert_order(&format!("{}, frequency", S::NAME), &errors, S::ORDER);
 }
 
-/// With one strain per element the membrane does not lock: frequencies of a thin band converge with the order of bending,
-/// 4, from the coarsest mesh on.
+/// With one strain per element the membrane does not lock: frequencies of a thin band converge with
+/// the order of bending, 4, from the coarsest mesh on.
 #[test]
 fn co_rotational_bending_has_order_four() {
     let ring = band(0.185e-3);

@@ -1,5 +1,6 @@
-//! Equations of the paper as they are printed, beside the forms that the code uses. Each test prints by how much the printed form is
-//! off; `docs/paper-corrections.md` has these numbers. (14) is in `ale`.
+//! Equations of the paper as they are printed, beside the forms that the code uses. Each test
+//! prints by how much the printed form is off; `docs/paper-corrections.md` has these numbers. (14)
+//! is in `ale`.
 
 use nalgebra::Vector2;
 use pushbelt::ring::kinematics::Hermite;
@@ -23,7 +24,8 @@ fn radii(theta: f64) -> (f64, f64, f64) {
     (r_p, r_s, ((r_p - r_s) / CENTER_DISTANCE).acos())
 }
 
-/// The Leibniz rule (3) of ∫_l^u g dx̄ with g = t x̄², l = t, u = 2t: f = 7t⁴/3. The printed rule adds ∫∂g/∂x̄ dx̄.
+/// The Leibniz rule (3) of ∫_l^u g dx̄ with g = t x̄², l = t, u = 2t: f = 7t⁴/3. The printed rule
+/// adds ∫∂g/∂x̄ dx̄.
 #[test]
 fn leibniz_rule() {
     let t = 0.5_f64;
@@ -60,7 +62,8 @@ fn moving_borders_of_arcs() {
     assert!((printed / exact - 1.0).abs() > 0.2);
 }
 
-/// The bending measure of 4.2, κ_n = n_refᵀ r'': a free circle is turned, or stretched. Neither bends it.
+/// The bending measure of 4.2, κ_n = n_refᵀ r'': a free circle is turned, or stretched. Neither
+/// bends it.
 #[test]
 fn bending_measure() {
     let system = RingSystem::new(AleRing::flexible(
@@ -124,7 +127,8 @@ fn reference_curve() {
     assert!(closure(b).abs() < 1e-12 && closure(printed_b).abs() > 1e-3);
 
     let primary = |phi_p: f64| Vector2::new(CENTER_DISTANCE - r_p * phi_p.cos(), r_p * phi_p.sin());
-    // ξ_P = ξ − r_S φ + b and φ_P = φ + ξ/r_P as printed; φ_P = φ + ξ_P/r_P with ξ_P = ξ − r_S φ − b as used.
+    // ξ_P = ξ − r_S φ + b and φ_P = φ + ξ/r_P as printed; φ_P = φ + ξ_P/r_P with ξ_P = ξ − r_S φ −
+    // b as used.
     let printed = |xi: f64| primary(phi + xi / r_p);
     let printed_place = |xi: f64| primary(phi + (xi - r_s * phi + b) / r_p);
     let used = |xi: f64| primary(phi + (xi - r_s * phi - b) / r_p);
@@ -164,7 +168,8 @@ fn shape_function_of_the_second_slope() {
         let shape = Hermite::new(x);
         (length * shape.n[3], length * shape.ddn[3])
     };
-    // ∫u''² dξ of u = ξ: values −l/2, l/2 and slopes 1 at the ends. d²/dξ² = (2/l)² d²/dx². Two Gauss points are exact.
+    // ∫u''² dξ of u = ξ: values −l/2, l/2 and slopes 1 at the ends. d²/dξ² = (2/l)² d²/dx². Two
+    // Gauss points are exact.
     let bending = |fourth: &dyn Fn(f64) -> (f64, f64)| {
         let at = |x: f64| {
             let shape = Hermite::new(x);

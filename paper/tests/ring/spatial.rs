@@ -1,4 +1,5 @@
-//! The ring in space: a deflection w along z, the binormal of the drive, in addition to that in the plane.
+//! The ring in space: a deflection w along z, the binormal of the drive, in addition to that in the
+//! plane.
 
 use nalgebra::{Complex, DMatrix, Rotation3, Vector2, Vector3};
 use pushbelt::scalar::Dual;
@@ -24,8 +25,9 @@ fn drive() -> TwoPulley {
 /// Places of w and w' of the two nodes among an element's unknowns.
 const LATERAL: [usize; 4] = [4, 5, 10, 11];
 
-/// Stiffness, gyroscopic and mass matrix of small deflections w, w' of the nodes of a straight strand of `count`
-/// elements and length 0.168 m, with the strain `strain` and the speed `speed`. Exact derivatives of the ring's balance.
+/// Stiffness, gyroscopic and mass matrix of small deflections w, w' of the nodes of a straight
+/// strand of `count` elements and length 0.168 m, with the strain `strain` and the speed `speed`.
+/// Exact derivatives of the ring's balance.
 fn strand(ring: &Ring, count: usize, strain: f64, speed: f64) -> [DMatrix<f64>; 3] {
     let model = AleRing::spatial(ring.clone(), drive(), RingMesh::even(&[1, count, 2, count, 1], 4));
     let frame = model.curve.frame(Dual::from(0.0));
@@ -84,7 +86,8 @@ fn pull(ring: &Ring) -> f64 {
 }
 
 /// A strand between two parallel guides with the offset a: EI w'''' = N w'' has the solution
-/// w = a/2 + A y − B sinh ky, k = √(N/EI), y from the middle: a straight line with boundary layers of width 1/k.
+/// w = a/2 + A y − B sinh ky, k = √(N/EI), y from the middle: a straight line with boundary layers
+/// of width 1/k.
 #[test]
 fn offset_guides() {
     for layers in [2.0, 20.0] {
@@ -115,7 +118,8 @@ fn offset_guides() {
     }
 }
 
-/// Angular frequencies of a strand that runs through two eyes (w = 0, slope free), in ascending order, rad/s.
+/// Angular frequencies of a strand that runs through two eyes (w = 0, slope free), in ascending
+/// order, rad/s.
 fn frequencies(ring: &Ring, count: usize, speed: f64) -> Vec<f64> {
     let [stiffness, gyroscopic, mass] =
         strand(ring, count, STRAIN, speed).map(|m| without(&m, &[0, 2 * count]));
@@ -147,7 +151,8 @@ fn frequencies(ring: &Ring, count: usize, speed: f64) -> Vec<f64> {
     found
 }
 
-/// A string that runs at v through two eyes: ω_n = nπ(c² − v²)/(cL), c = √(N/m). Convection lowers all frequencies.
+/// A string that runs at v through two eyes: ω_n = nπ(c² − v²)/(cL), c = √(N/m). Convection lowers
+/// all frequencies.
 #[test]
 fn travelling_string() {
     let ring = wire(0.0);
@@ -162,8 +167,8 @@ fn travelling_string() {
     }
 }
 
-/// A tensioned beam in two eyes at rest: m ω² = N k² + EI k⁴, k = nπ/L; of order 4 in the element length at fixed
-/// tension.
+/// A tensioned beam in two eyes at rest: m ω² = N k² + EI k⁴, k = nπ/L; of order 4 in the element
+/// length at fixed tension.
 #[test]
 fn tensioned_beam() {
     let ring = wire(0.3);
@@ -214,8 +219,8 @@ fn placed(system: &Spatial<pushbelt_paper_lab::Circle>, turn: &Rotation3<f64>, s
     })
 }
 
-/// A shift along z has no energy and no force. A tilt has the energy ½π EI_b ψ²/R, because (24) has no twist: the sections
-/// stay upright. Neither changes stretch and in-plane bending.
+/// A shift along z has no energy and no force. A tilt has the energy ½π EI_b ψ²/R, because (24) has
+/// no twist: the sections stay upright. Neither changes stretch and in-plane bending.
 #[test]
 fn rigid_motions() {
     let ring = band(0.185e-3);
@@ -247,9 +252,10 @@ fn rigid_motions() {
     }
 }
 
-/// A free ring out of its plane. With upright sections w bends like a straight beam, ω = n² √(EI_b/m)/R². A thin band
-/// that is free to twist has ω² = EI_b/(m R⁴) n²(n² − 1)²/(n² + EI_b/GJ) (Love 1927, § 293), which (24) does not
-/// describe: it is valid for a stocky section that is held upright.
+/// A free ring out of its plane. With upright sections w bends like a straight beam, ω = n²
+/// √(EI_b/m)/R². A thin band that is free to twist has ω² = EI_b/(m R⁴) n²(n² − 1)²/(n² + EI_b/GJ)
+/// (Love 1927, § 293), which (24) does not describe: it is valid for a stocky section that is held
+/// upright.
 #[test]
 fn frequency_out_of_plane() {
     let ring = Ring {
@@ -307,8 +313,8 @@ fn planar_motion_is_the_planar_rings() {
     }
 }
 
-/// A belt that runs, shifts its ratio and oscillates out of its plane: largest drift of the energy, with the energy that
-/// damping dissipated, relative to the exchanged energy.
+/// A belt that runs, shifts its ratio and oscillates out of its plane: largest drift of the energy,
+/// with the energy that damping dissipated, relative to the exchanged energy.
 fn swinging(damping: f64, tolerance: f64) -> (f64, f64) {
     let ring = Ring { damping, ..solid() };
     let mut system = RingSystem::new(AleRing::spatial(

@@ -1,4 +1,5 @@
-//! The equations of the ring alone: Jacobians against differences, and packs against their elements.
+//! The equations of the ring alone: Jacobians against differences, and packs against their
+//! elements.
 
 use pushbelt::solver::System as _;
 use pushbelt_paper::reference_curve::TwoPulley;

@@ -5,7 +5,8 @@ use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, zero_vector};
 use nalgebra::SVector;
 
-/// Forces per length conjugate to the virtual motions of a mesh point. Sign: residual = inertia − forces.
+/// Forces per length conjugate to the virtual motions of a mesh point. Sign: residual = inertia −
+/// forces.
 #[derive(Clone, Copy, Debug)]
 pub struct LineLoad<T: Real, const D: usize = 2> {
     /// Conjugate to δr, N/m.
@@ -43,7 +44,8 @@ impl<T: Real, const D: usize> LineLoad<T, D> {
             + in_plane(&self.bend).dot(&bend_theta)
     }
 
-    /// Conjugate to δΘ through the length of the element, where the overlay has this u' and u'', N·m/m.
+    /// Conjugate to δΘ through the length of the element, where the overlay has this u' and u'',
+    /// N·m/m.
     #[inline(always)]
     pub fn on_length(&self, [slope, bend]: [&SVector<T, D>; 2], element: &ElementMotion<T, D>) -> T {
         let dilation = element.length.d * element.length.v.recip();
@@ -114,8 +116,8 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
         }
     }
 
-    /// The variation of the force on Θ of [`ElementLoad::nodes`] where component `k` of a node's slope varies by `by` and
-    /// the loads do not.
+    /// The variation of the force on Θ of [`ElementLoad::nodes`] where component `k` of a node's
+    /// slope varies by `by` and the loads do not.
     #[inline(always)]
     pub fn slope_varied(&self, node: usize, k: usize, by: f64, element: &ElementMotion<T, D>) -> T {
         self.d[2 * node + 1][k] * element.length.d * by

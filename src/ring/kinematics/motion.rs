@@ -5,7 +5,8 @@ use crate::scalar::Real;
 use nalgebra::SVector;
 use std::ops::Mul;
 
-/// Cubic Hermite functions of the element at a local coordinate x ∈ [−1, 1] (paper 5.2), and their x derivatives.
+/// Cubic Hermite functions of the element at a local coordinate x ∈ [−1, 1] (paper 5.2), and their
+/// x derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Hermite<L = f64> {
     /// Values N_k.
@@ -43,7 +44,8 @@ impl<L: Real> Hermite<L> {
     }
 }
 
-/// Σ weights·d. The weights are mesh constants or, where the mesh moves past a fixed place, of the type of d.
+/// Σ weights·d. The weights are mesh constants or, where the mesh moves past a fixed place, of the
+/// type of d.
 #[inline(always)]
 pub fn combine<T: Real + Mul<W, Output = T>, W: Copy, const D: usize>(
     weights: &[W; 4],

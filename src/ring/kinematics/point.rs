@@ -104,7 +104,8 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
         }
     }
 
-    /// The ring in an element where its shape functions are `shape`: reference curve and overlay (10).
+    /// The ring in an element where its shape functions are `shape`: reference curve and overlay
+    /// (10).
     #[inline(always)]
     pub fn new(
         reference: ReferencePoint<T>,
@@ -145,7 +146,8 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
     }
 }
 
-/// Derivatives of a [`RingPoint`] in a direction that changes neither the reference curve nor the drift.
+/// Derivatives of a [`RingPoint`] in a direction that changes neither the reference curve nor the
+/// drift.
 #[derive(Clone, Copy, Debug)]
 pub struct RingVariation<T: Real, const D: usize = 2> {
     /// δr.
@@ -189,8 +191,8 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         }
     }
 
-    /// The variation with component `k` of the nodal unknown of shape function `m`. `alpha` and `beta` are the
-    /// derivatives of its acceleration and its position with respect to its rate.
+    /// The variation with component `k` of the nodal unknown of shape function `m`. `alpha` and
+    /// `beta` are the derivatives of its acceleration and its position with respect to its rate.
     #[inline(always)]
     pub fn of_node(
         point: &RingPoint<T, D>,

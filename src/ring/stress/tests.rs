@@ -24,7 +24,8 @@ const WRAPS: [f64; 2] = [2.6, std::f64::consts::TAU - 2.6];
 /// Number of parts of half the secondary arc, of a strand, and of the primary arc.
 const COUNTS: [usize; 3] = [40, 10, 120];
 
-/// The loop with a tension that is a function of pulley and angle; strands continue the arc before them.
+/// The loop with a tension that is a function of pulley and angle; strands continue the arc before
+/// them.
 fn parts_with(tension: impl Fn(usize, f64) -> f64) -> Vec<RingPart> {
     let [secondary, primary] = WRAPS;
     let [halves, strands, arcs] = COUNTS;
@@ -116,7 +117,8 @@ fn the_layers_carry_the_tension_and_are_stretched_alike() {
     }
 }
 
-/// T_j − m_j ṡ² falls by the factor e^(−μα) on the pulley with the smaller radius, in the direction of travel.
+/// T_j − m_j ṡ² falls by the factor e^(−μα) on the pulley with the smaller radius, in the direction
+/// of travel.
 #[test]
 fn tension_of_the_outer_layers_falls_as_a_rope_on_a_capstan() {
     let parts = usual();
@@ -150,7 +152,8 @@ fn with_the_same_friction_everywhere_all_layers_are_equal() {
     }
 }
 
-/// At ratio 1 and at a standstill the layers stick and share the changes of the tension, as far as their friction bears them.
+/// At ratio 1 and at a standstill the layers stick and share the changes of the tension, as far as
+/// their friction bears them.
 #[test]
 fn layers_that_stick_share_the_tension() {
     let parts = usual();
@@ -210,7 +213,8 @@ fn bending_alone() {
     close(bent.mean.secondary, bent.max - 0.5 * bending[0]);
 }
 
-/// The largest and the smallest stress of the loop are one cycle; the other peak and valley are the other one.
+/// The largest and the smallest stress of the loop are one cycle; the other peak and valley are the
+/// other one.
 #[test]
 fn cycles_are_those_of_rainflow_counting() {
     let parts = usual();

@@ -1,5 +1,6 @@
 //! Derivatives of a pack of cells: geometry, and the part of the constitutive laws as L, S, R
-//! ([`laws`](crate::variator::cell::laws)). With updated tangents S they are those of the current state.
+//! ([`laws`](crate::variator::cell::laws)). With updated tangents S they are those of the current
+//! state.
 
 use crate::scalar::{Lanes, along};
 use crate::stack::Transport;
@@ -15,7 +16,8 @@ use num_traits::Zero;
 pub(crate) struct Derivatives {
     /// Direction by direction for each row of the balance.
     block: Vec<Lanes>,
-    /// L: for each force, the rows of the block. R: for each argument, the directions. Both are empty without derivatives by hand.
+    /// L: for each force, the rows of the block. R: for each argument, the directions. Both are
+    /// empty without derivatives by hand.
     force_rows: Vec<Lanes>,
     right: Vec<Lanes>,
     /// S of the block, and the current one.
@@ -23,7 +25,8 @@ pub(crate) struct Derivatives {
 }
 
 impl Derivatives {
-    /// Memory for a pack with this number of stations in D components, and for an update of tangents if `by_hand`.
+    /// Memory for a pack with this number of stations in D components, and for an update of
+    /// tangents if `by_hand`.
     pub fn new<K: DegreesOfFreedom, const D: usize>(stations: usize, by_hand: bool) -> Self {
         let laws = if by_hand { stations * D + 1 } else { 0 };
         let zeros = |len| vec![Lanes::zero(); len];
@@ -110,7 +113,8 @@ pub(crate) struct Columns<'a> {
 }
 
 impl Columns<'_> {
-    /// Records the derivatives of balance, transport quantities and arguments of the laws in a direction: the `value` of each.
+    /// Records the derivatives of balance, transport quantities and arguments of the laws in a
+    /// direction: the `value` of each.
     #[inline(always)]
     pub(super) fn record<K: DegreesOfFreedom, T: Copy, const D: usize>(
         &mut self,
@@ -138,7 +142,8 @@ impl Columns<'_> {
         }
     }
 
-    /// Records the derivatives by hand in the directions of the cells' own unknowns and of the pulley, and L.
+    /// Records the derivatives by hand in the directions of the cells' own unknowns and of the
+    /// pulley, and L.
     #[inline(always)]
     pub(super) fn record_by_hand<K: DegreesOfFreedom, R: VaryingRing<Lanes, D>, const D: usize>(
         &mut self,

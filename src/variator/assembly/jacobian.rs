@@ -1,4 +1,5 @@
-//! Derivatives of a pack of cells: by hand where a ring has them, otherwise by forward differentiation.
+//! Derivatives of a pack of cells: by hand where a ring has them, otherwise by forward
+//! differentiation.
 
 use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
@@ -21,8 +22,8 @@ use std::ops::Range;
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
 
-/// The balance of a pack at `unknowns`. Evaluates the tangents of its laws and, unless the frames are those of an update, all its
-/// derivatives.
+/// The balance of a pack at `unknowns`. Evaluates the tangents of its laws and, unless the frames
+/// are those of an update, all its derivatives.
 #[inline(never)]
 pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
@@ -81,8 +82,8 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     b
 }
 
-/// Frames of the curve at one place of a path: without derivatives, and for each pass of forward differentiation with those in its
-/// directions. An update of tangents has no passes.
+/// Frames of the curve at one place of a path: without derivatives, and for each pass of forward
+/// differentiation with those in its directions. An update of tangents has no passes.
 pub(crate) struct Frames<C: MeshCurve> {
     /// Derivatives of position, value and rate of an unknown with respect to it.
     factors: [f64; 3],
@@ -100,7 +101,8 @@ pub(crate) struct Frames<C: MeshCurve> {
 }
 
 impl<C: MeshCurve> Frames<C> {
-    /// Frames for a ring of kind `K`, whose derivatives are `by_hand` or by forward differentiation alone, or for an `update`.
+    /// Frames for a ring of kind `K`, whose derivatives are `by_hand` or by forward differentiation
+    /// alone, or for an `update`.
     pub fn new<K: DegreesOfFreedom>(
         curve: &TwoPulley,
         path: Path<f64>,

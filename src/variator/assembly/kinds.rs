@@ -1,5 +1,5 @@
-//! Kinds of ring as types, chosen once at the start: the motion of a cell with them from its unknowns, its balance and the rows of
-//! the balance, generic over the scalar.
+//! Kinds of ring as types, chosen once at the start: the motion of a cell with them from its
+//! unknowns, its balance and the rows of the balance, generic over the scalar.
 
 use crate::reference_curve::{MeshCurve, Path, TwoPulley, along_theta};
 use crate::ring::Ring;
@@ -17,14 +17,15 @@ use crate::variator::rings::guided::Guided;
 use crate::variator::rings::ring::{EulerianRing, RingForces, VaryingRing};
 use nalgebra::SVector;
 
-/// A ring on an Eulerian mesh in D components, on the curve `C`. A value of it holds parameters of the ring beyond those of
-/// the beam.
+/// A ring on an Eulerian mesh in D components, on the curve `C`. A value of it holds parameters of
+/// the ring beyond those of the beam.
 pub trait RingKind<const D: usize, C: MeshCurve>: DegreesOfFreedom {
     /// The ring inside a cell.
     type Ring<'a, T: Real>: EulerianRing<T, D>;
 
-    /// The ring between two nodes of a cell `at` a place and a reference motion, from the `unknown` of a part and a degree of
-    /// freedom of the cell. `curve` is frame and segment of the reference curve.
+    /// The ring between two nodes of a cell `at` a place and a reference motion, from the `unknown`
+    /// of a part and a degree of freedom of the cell. `curve` is frame and segment of the reference
+    /// curve.
     fn ring<'a, T: Real>(
         &self,
         ring: &'a Ring,
@@ -82,8 +83,8 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
     }
 }
 
-/// The frame of the curve at one place of a path, which a ring of kind `K` follows: with the motion of Θ as the variable, unless
-/// the curve has other coordinates.
+/// The frame of the curve at one place of a path, which a ring of kind `K` follows: with the motion
+/// of Θ as the variable, unless the curve has other coordinates.
 #[inline(always)]
 pub(crate) fn frame<T: Real, K: DegreesOfFreedom, C: MeshCurve>(
     curve: &TwoPulley,
@@ -95,8 +96,8 @@ pub(crate) fn frame<T: Real, K: DegreesOfFreedom, C: MeshCurve>(
     C::on_path(curve, &path)
 }
 
-/// The balance of a pack of cells with this kind of ring, from the `unknown` of a part and a direction, and what `then` returns
-/// for the loaded ring.
+/// The balance of a pack of cells with this kind of ring, from the `unknown` of a part and a
+/// direction, and what `then` returns for the loaded ring.
 #[inline(always)]
 pub(crate) fn pack_balance<T: Real<Constant = Lanes>, K: RingKind<D, C>, const D: usize, C: MeshCurve, O>(
     InForce { belt, friction }: InForce<'_>,
@@ -155,8 +156,8 @@ pub(crate) fn motion<T: Real, K: DegreesOfFreedom>(
     motion
 }
 
-/// Rows of the balance in the order of the directions, then the resultant of the contact forces. The row of the content is
-/// zero; its balance is that of the fluxes.
+/// Rows of the balance in the order of the directions, then the resultant of the contact forces.
+/// The row of the content is zero; its balance is that of the fluxes.
 #[inline(always)]
 pub(crate) fn rows<T: Real, K: DegreesOfFreedom, const D: usize>(
     b: &CellBalance<T>,

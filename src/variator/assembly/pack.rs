@@ -1,4 +1,5 @@
-//! Packs of cells, one in each lane of a register: their places on the belt and the indices of their unknowns.
+//! Packs of cells, one in each lane of a register: their places on the belt and the indices of
+//! their unknowns.
 
 use crate::pulley::Pulley;
 use crate::reference_curve::{Jet, MeshCurve};
@@ -15,11 +16,12 @@ use crate::variator::mesh::belt_mesh::{Group, Station};
 use num_traits::Zero;
 use std::sync::Arc;
 
-/// Unknowns of a pack for each [`StateComponent`](crate::variator::law::arguments::StateComponent), by their directions.
+/// Unknowns of a pack for each [`StateComponent`](crate::variator::law::arguments::StateComponent),
+/// by their directions.
 pub(crate) type Unknowns = [[Lanes; MOST]; 3];
 
-/// Face and stations of the cells of a pack. Elements are divided alike, so most packs share these and they stay in the
-/// fastest cache.
+/// Face and stations of the cells of a pack. Elements are divided alike, so most packs share these
+/// and they stay in the fastest cache.
 #[derive(Debug)]
 pub(crate) struct PackStations {
     /// Number of each cell in its element.
@@ -103,7 +105,8 @@ impl Pack {
         }
     }
 
-    /// Adds derivatives to the matrix from rows of `width` directions each, as far as a row has a strip.
+    /// Adds derivatives to the matrix from rows of `width` directions each, as far as a row has a
+    /// strip.
     #[inline(always)]
     pub fn add_derivatives(&self, block: &[Lanes], width: usize, out: &mut Arrow) {
         // The number of lanes is known to the compiler where all are in use.
@@ -136,8 +139,9 @@ impl Pack {
         }
     }
 
-    /// Adds the derivatives of the resultants of the contact forces in all directions, and of the shared rows in the shared
-    /// directions, from s on: they are first summed over the lanes of each pulley.
+    /// Adds the derivatives of the resultants of the contact forces in all directions, and of the
+    /// shared rows in the shared directions, from s on: they are first summed over the lanes of
+    /// each pulley.
     #[inline(always)]
     pub fn add_shared<K: DegreesOfFreedom>(
         &self,
@@ -230,8 +234,8 @@ impl Station<Lanes> {
     }
 }
 
-/// Places of ∂(flux)/∂(directions of a cell) in the rows of the contents of the previous cell and of the cell, then the same
-/// for the directions of the previous cell; `None` outside the matrix.
+/// Places of ∂(flux)/∂(directions of a cell) in the rows of the contents of the previous cell and
+/// of the cell, then the same for the directions of the previous cell; `None` outside the matrix.
 pub(crate) type FluxEntries = [[[Option<usize>; 2]; MOST]; 2];
 
 /// The packs of a belt, around the loop.
@@ -334,8 +338,8 @@ pub(crate) fn flux_entries<K: DegreesOfFreedom>(belt: &Belt) -> Vec<FluxEntries>
             let rows = [before, cell].map(|cell| belt.cells_at[cell].content);
             [cell, before].map(|of| {
                 let at = unknowns_of::<K>(belt, of);
-                // With one cell per element, the derivative of its density with respect to the far node (ring stretch, reverse
-                // flow only) would be outside the band.
+                // With one cell per element, the derivative of its density with respect to the far
+                // node (ring stretch, reverse flow only) would be outside the band.
                 let entry =
                     |row: usize, k: usize| (k < K::DEGREES.count).then(|| shape.index(row, at[k])).flatten();
                 std::array::from_fn(|k| rows.map(|row| entry(row, k)))

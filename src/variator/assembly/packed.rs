@@ -22,14 +22,15 @@ use crate::variator::rings::ring::{EulerianRing, RingForces};
 use num_traits::Zero;
 use std::marker::PhantomData;
 
-/// Derivatives are reused while 1/(hγ) has changed by less than this factor. Beyond it Newton's method takes up to ten times as
-/// many Jacobians: a factor of 3 costs a third more time under rough loads.
+/// Derivatives are reused while 1/(hγ) has changed by less than this factor. Beyond it Newton's
+/// method takes up to ten times as many Jacobians: a factor of 3 costs a third more time under
+/// rough loads.
 const RESCALED: f64 = 1.5;
-/// Rotation of the ring up to which its geometry is reused, rad. Half of it renews a sixth more geometry and twice of it a tenth
-/// less, with the same number of Jacobians within noise.
+/// Rotation of the ring up to which its geometry is reused, rad. Half of it renews a sixth more
+/// geometry and twice of it a tenth less, with the same number of Jacobians within noise.
 const ROTATED: f64 = 1.2e-2;
-/// Change of Θ up to which it is reused. Twice of it costs a tenth more Jacobians in macro-slip, without a bound they are twice as
-/// many.
+/// Change of Θ up to which it is reused. Twice of it costs a tenth more Jacobians in macro-slip,
+/// without a bound they are twice as many.
 const SHIFTED: f64 = 3.0e-3;
 
 /// Where all derivatives were evaluated: state, and factors of ẏ and q; NaN where they were not.
@@ -50,8 +51,9 @@ impl Origin {
 
 /// Cells with a ring of kind `K` in D components, on a mesh of the curve `C`.
 ///
-/// Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but the geometry hardly changes from one to
-/// the next. Then the constitutive tangents alone are updated, which is accurate enough for a simplified Newton method.
+/// Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but the
+/// geometry hardly changes from one to the next. Then the constitutive tangents alone are updated,
+/// which is accurate enough for a simplified Newton method.
 #[derive(Clone, Debug)]
 pub(crate) struct PackedCells<K, const D: usize, C> {
     packs: Vec<Pack>,
@@ -103,8 +105,8 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
             && is_near(belt, &state.q, view.q)
     }
 
-    /// Evaluates derivatives in a state, all or the tangents alone where the others are valid. Adds them to the matrix and to those of
-    /// the resultants.
+    /// Evaluates derivatives in a state, all or the tangents alone where the others are valid. Adds
+    /// them to the matrix and to those of the resultants.
     fn differentiate(
         &mut self,
         acting: InForce<'_>,
@@ -234,8 +236,8 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
     }
 }
 
-/// Equations of a belt whose ring follows the curve `C` (`ALE0`), with derivatives by hand or by forward differentiation
-/// alone.
+/// Equations of a belt whose ring follows the curve `C` (`ALE0`), with derivatives by hand or by
+/// forward differentiation alone.
 #[must_use]
 pub fn guided_equations<C: MeshCurve>(belt: &Belt, by_hand: bool) -> Box<dyn Assembly> {
     PackedCells::<GuidedRing, 2, C>::of_belt(GuidedRing, belt, by_hand)
@@ -247,8 +249,8 @@ pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt, by_hand: 
     PackedCells::<DeflectingRing<D>, D, C>::of_belt(DeflectingRing, belt, by_hand)
 }
 
-/// Equations of a belt with a ring of this kind in D components, on a mesh of the curve `C`. Derivatives are computed by
-/// forward differentiation of the ring's functions.
+/// Equations of a belt with a ring of this kind in D components, on a mesh of the curve `C`.
+/// Derivatives are computed by forward differentiation of the ring's functions.
 #[must_use]
 pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     kind: K,
@@ -277,8 +279,8 @@ fn is_near(belt: &Belt, then: &[f64], now: &[f64]) -> bool {
         && !(0..layout.elements).any(rotated)
 }
 
-/// Evaluates all packs without derivatives: calls `observe` at every station, and `take` with the balance of each pack and the forces
-/// on its ring.
+/// Evaluates all packs without derivatives: calls `observe` at every station, and `take` with the
+/// balance of each pack and the forces on its ring.
 #[inline(always)]
 fn evaluate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,

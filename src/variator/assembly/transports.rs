@@ -1,4 +1,5 @@
-//! The balance of the contents: transport quantities of every cell, and the fluxes through the left faces.
+//! The balance of the contents: transport quantities of every cell, and the fluxes through the left
+//! faces.
 
 use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::View;
@@ -10,8 +11,8 @@ pub const RELAXATION_RATE: f64 = 1.0e3;
 
 /// Flow and density of every cell.
 ///
-/// Each quantity is a list that begins with the last cell, as the predecessor of the first. All cells follow in their
-/// order, then padding for a pack that ends beyond them.
+/// Each quantity is a list that begins with the last cell, as the predecessor of the first. All
+/// cells follow in their order, then padding for a pack that ends beyond them.
 #[derive(Clone, Debug)]
 pub struct Transports {
     quantities: Transport<Vec<f64>>,
@@ -39,8 +40,8 @@ impl Transports {
         }
     }
 
-    /// Records the quantities of a pack that starts with cell `first`. The next pack overwrites unused lanes, so packs
-    /// must be recorded in their order.
+    /// Records the quantities of a pack that starts with cell `first`. The next pack overwrites
+    /// unused lanes, so packs must be recorded in their order.
     #[inline(always)]
     pub fn set_pack(&mut self, first: usize, transport: &Transport<Lanes>) {
         for (to, value) in self
@@ -61,7 +62,8 @@ impl Transports {
         }
     }
 
-    /// The quantities on both sides of the left faces of the cells from `first` on; requires [`Self::close`].
+    /// The quantities on both sides of the left faces of the cells from `first` on; requires
+    /// [`Self::close`].
     #[inline(always)]
     fn neighbours(&self, first: usize) -> [Transport<Lanes>; 2] {
         [first, first + 1].map(|start| {
@@ -70,8 +72,8 @@ impl Transports {
         })
     }
 
-    /// Adds the balance of the contents to `out`: fluxes through the left faces. Nothing depends on speeds and contents of the elements
-    /// of a chain: they vanish.
+    /// Adds the balance of the contents to `out`: fluxes through the left faces. Nothing depends on
+    /// speeds and contents of the elements of a chain: they vanish.
     pub fn add_fluxes(&mut self, belt: &Belt, view: View<'_>, out: &mut [f64]) {
         if belt.law.is_pull_chain() {
             for i in belt.cells_at.iter().flat_map(CellUnknowns::to_array) {
@@ -126,7 +128,8 @@ pub struct Face {
 }
 
 impl Face {
-    /// Derivatives of the flux in the directions of the cell on a side, from those of its quantities.
+    /// Derivatives of the flux in the directions of the cell on a side, from those of its
+    /// quantities.
     #[inline(always)]
     pub fn derivatives<const N: usize>(&self, side: usize, of: &Transport<[f64; N]>) -> [f64; N] {
         let [flow, density] = [self.by[2 * side], self.by[2 * side + 1]];

@@ -1,5 +1,6 @@
 //! The equations of ring, elements and contact.
-//! [`PackedCells`](crate::variator::assembly::packed::PackedCells) implements them for rings on an Eulerian mesh.
+//! [`PackedCells`](crate::variator::assembly::packed::PackedCells) implements them for rings on an
+//! Eulerian mesh.
 
 use crate::archive::Archive;
 use crate::contact::Friction;
@@ -21,8 +22,8 @@ pub struct InForce<'a> {
     pub friction: &'a Friction,
 }
 
-/// Equations of ring and elements, with cached derivatives and working memory. Results depend on the arguments alone; those
-/// of [`Assembly::jacobian`] also depend on the cached derivatives.
+/// Equations of ring and elements, with cached derivatives and working memory. Results depend on
+/// the arguments alone; those of [`Assembly::jacobian`] also depend on the cached derivatives.
 pub trait Assembly: Debug + Send + Sync {
     /// A copy with the same cached derivatives.
     fn boxed(&self) -> Box<dyn Assembly>;
@@ -30,9 +31,10 @@ pub trait Assembly: Debug + Send + Sync {
     /// Adds the equations of the belt to `out`; returns its loads on the pulleys.
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
 
-    /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the
-    /// resultants of the contact forces to theirs; returns the loads on the pulleys. Derivatives of an earlier call are
-    /// reused where they are valid for a simplified Newton method.
+    /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix,
+    /// and those of the resultants of the contact forces to theirs; returns the loads on the
+    /// pulleys. Derivatives of an earlier call are reused where they are valid for a simplified
+    /// Newton method.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,
@@ -52,7 +54,8 @@ pub trait Assembly: Debug + Send + Sync {
     /// Drops the cached derivatives; the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
-    /// Writes the states of the cached derivatives to an archive, or reads them from it and evaluates the derivatives.
+    /// Writes the states of the cached derivatives to an archive, or reads them from it and
+    /// evaluates the derivatives.
     fn serialize_derivatives(&mut self, _acting: InForce<'_>, _archive: &mut Archive<'_>) {}
 
     /// Number of evaluations of all derivatives, and of constitutive tangents alone.

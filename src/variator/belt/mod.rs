@@ -1,4 +1,5 @@
-//! The belt: constants of its cells, mesh, layout of the unknowns, reference curve. It is constant in a run.
+//! The belt: constants of its cells, mesh, layout of the unknowns, reference curve. It is constant
+//! in a run.
 
 pub(crate) mod equations;
 pub(crate) mod ring;
@@ -17,7 +18,8 @@ use std::sync::Arc;
 /// Scale of rows of constraints, of the order of the other entries of a row.
 pub const CONSTRAINT_SCALE: f64 = 1.0e6;
 
-/// Change of Θ, and of the turn of displaced centres, per metre of the ring's position, 1/m, roughly.
+/// Change of Θ, and of the turn of displaced centres, per metre of the ring's position, 1/m,
+/// roughly.
 pub(crate) const THETA_PER_METRE: f64 = 10.0;
 
 /// The constants of a belt.
@@ -151,7 +153,8 @@ impl Belt {
         segment * element.length
     }
 
-    /// Segment of the reference curve and fraction there of a place at a fraction of the segment of an element.
+    /// Segment of the reference curve and fraction there of a place at a fraction of the segment of
+    /// an element.
     #[must_use]
     pub fn on_curve(&self, frame: &TwoPulleyFrame<f64>, element: usize, fraction: f64) -> (usize, f64) {
         if self.mesh.aligned {
@@ -163,10 +166,11 @@ impl Belt {
 
     /// The gauge conditions.
     ///
-    /// s and Θ duplicate motions of the overlay, so two conditions with multipliers in the border constrain it. They are
-    /// symmetric in the two pulleys: the deflections of node 0 and of the opposite node are equal outwards (which
-    /// determines Θ) and opposite along the curve (which determines s). In directions of the curve these are the same
-    /// two conditions in reverse order: t of node 0 is along y, n along x, and both are reversed at the opposite node.
+    /// s and Θ duplicate motions of the overlay, so two conditions with multipliers in the border
+    /// constrain it. They are symmetric in the two pulleys: the deflections of node 0 and of the
+    /// opposite node are equal outwards (which determines Θ) and opposite along the curve (which
+    /// determines s). In directions of the curve these are the same two conditions in reverse
+    /// order: t of node 0 is along y, n along x, and both are reversed at the opposite node.
     pub fn gauge(&self) -> impl Iterator<Item = GaugeCondition> + use<> {
         let layout = self.layout;
         let components = [(0, [1.0, 1.0]), (1, [1.0, -1.0])];

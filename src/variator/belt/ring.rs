@@ -33,8 +33,8 @@ pub trait BeltRing: Debug + Send + Sync {
     /// Equations of ring, elements and contact of a belt with this ring.
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly>;
 
-    /// Absolute tolerance of the speed of the ring's nodes, m/s: `of_place` limits the error of their place over a step,
-    /// `of_sliding` that of their sliding on the elements.
+    /// Absolute tolerance of the speed of the ring's nodes, m/s: `of_place` limits the error of
+    /// their place over a step, `of_sliding` that of their sliding on the elements.
     fn speed_error(&self, of_place: f64, _of_sliding: f64) -> f64 {
         of_place
     }
@@ -44,7 +44,8 @@ pub trait BeltRing: Debug + Send + Sync {
         f64::INFINITY
     }
 
-    /// Where this ring starts, if it has no steady state of its own: on another ring, on the same mesh.
+    /// Where this ring starts, if it has no steady state of its own: on another ring, on the same
+    /// mesh.
     fn starts_on(&self) -> Option<StartsOn> {
         None
     }

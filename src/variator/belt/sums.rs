@@ -4,8 +4,8 @@ use crate::pulley::{PerPulley, Pulley};
 
 pub use crate::variator::law::arguments::PulleyLoad;
 
-/// Derivatives of the resultants of the contact forces on the belt with respect to every unknown, for the drag of the
-/// shafts. The resultants are not rows of the matrix.
+/// Derivatives of the resultants of the contact forces on the belt with respect to every unknown,
+/// for the drag of the shafts. The resultants are not rows of the matrix.
 #[derive(Clone, Debug)]
 pub struct ResultantDerivatives(PerPulley<[Vec<f64>; 2]>);
 

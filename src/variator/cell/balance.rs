@@ -1,16 +1,17 @@
 //! One cell of the belt: the virtual-power statement of ring, stack and contact.
 //!
-//! δP = ∫ [ring inertia·δv + δV_elastic] + ∫ m_e νλ a_e·δv_p − Q·δ(lengthening) − ∫ 2λ (contact force)·δ(its own point)
+//! δP = ∫ [ring inertia·δv + δV_elastic] + ∫ m_e νλ a_e·δv_p − Q·δ(lengthening) − ∫ 2λ (contact
+//! force)·δ(its own point)
 //!    − ∫ f_r δ(sliding of ring on elements) − ∫ f_l δ(ring along itself) + ∫ f_s δV = 0.
 //!
-//! Each force is multiplied by the velocity Jacobian of its own point: tangential flank forces at the pitch line (v_p),
-//! radial ones at the ring centre line (v_e), ring friction at the difference of ring and element velocity there, drag
-//! of the ring's layers at the ring alone, drag of elements that start to turn at V alone, the push force at the
-//! shortening of the stack. Power between ring, stack and
-//! pulleys and moments on the arcs are thus balanced.
+//! Each force is multiplied by the velocity Jacobian of its own point: tangential flank forces at
+//! the pitch line (v_p), radial ones at the ring centre line (v_e), ring friction at the difference
+//! of ring and element velocity there, drag of the ring's layers at the ring alone, drag of
+//! elements that start to turn at V alone, the push force at the shortening of the stack. Power
+//! between ring, stack and pulleys and moments on the arcs are thus balanced.
 //!
-//! A pull chain has neither stack nor ring friction. Its pins move with the ring, which stands for the whole chain: forces along
-//! the belt act on the ring.
+//! A pull chain has neither stack nor ring friction. Its pins move with the ring, which stands for
+//! the whole chain: forces along the belt act on the ring.
 
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
@@ -22,8 +23,9 @@ use crate::variator::cell::state::{
 use crate::variator::law::arguments::{CellBalance, PulleyLoad};
 use crate::variator::rings::ring::{CellRing, StationLoad};
 
-/// The balance of a cell, or of one in each lane of `T`, with this `ring`, and the state of the cell. `reference` returns the
-/// reference curve at the face (0) and at the stations (1 and up); fills the empty `points`; calls `observe` at every station.
+/// The balance of a cell, or of one in each lane of `T`, with this `ring`, and the state of the
+/// cell. `reference` returns the reference curve at the face (0) and at the stations (1 and up);
+/// fills the empty `points`; calls `observe` at every station.
 #[inline(always)]
 pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
     given: &CellInput<'_, T>,

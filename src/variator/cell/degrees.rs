@@ -1,7 +1,7 @@
 //! The degrees of freedom of a cell, which depend on its ring.
 //!
-//! Motions of the nodes come first, then V, V, N, in `ALE0` the tensions T, T, then s, Θ, in `ALE0` the other coordinates
-//! of the curve, then z, ψ_x, ψ_y, ω.
+//! Motions of the nodes come first, then V, V, N, in `ALE0` the tensions T, T, then s, Θ, in `ALE0`
+//! the other coordinates of the curve, then z, ψ_x, ψ_y, ω.
 
 use crate::reference_curve::COORDINATES;
 
@@ -16,7 +16,8 @@ pub struct Degrees {
     pub(crate) nodes: usize,
     /// Number of tensions of the ring: at the faces, if it has no nodes.
     pub(crate) tensions: usize,
-    /// Number of coordinates of the reference curve; Θ is the first, and the only one of a ring with nodes.
+    /// Number of coordinates of the reference curve; Θ is the first, and the only one of a ring
+    /// with nodes.
     pub(crate) coordinates: usize,
     /// The content. Its row is zero: the balance of the fluxes stands for it.
     pub(crate) content: usize,
@@ -28,7 +29,8 @@ pub struct Degrees {
     pub(crate) sheave: usize,
     /// Number of all.
     pub(crate) count: usize,
-    /// Number of rows: one for each, then the two components of the resultant of the contact forces.
+    /// Number of rows: one for each, then the two components of the resultant of the contact
+    /// forces.
     pub(crate) rows: usize,
 }
 

@@ -1,8 +1,10 @@
-//! The constitutive laws of a cell: flanks, friction between ring and elements, stack. Their tangents change by orders of
-//! magnitude where a gap closes or a cell begins to slide. Each law has forces and arguments. Its contribution to the
-//! derivatives of the balance is a sum of products L S R:
+//! The constitutive laws of a cell: flanks, friction between ring and elements, stack. Their
+//! tangents change by orders of magnitude where a gap closes or a cell begins to slide. Each law
+//! has forces and arguments. Its contribution to the derivatives of the balance is a sum of
+//! products L S R:
 //!
-//! - R, the derivative of an argument in a direction, and L, the derivative of the rows with respect to a force: geometry.
+//! - R, the derivative of an argument in a direction, and L, the derivative of the rows with
+//!   respect to a force: geometry.
 //! - S, the tangents: derivatives of the forces with respect to their arguments.
 //!
 //! While the geometry has hardly changed, an update of S alone yields the current derivatives
@@ -25,8 +27,8 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 pub(crate) const FORCES: usize = 3;
 pub(crate) const ARGUMENTS: usize = 4;
 
-/// A value for each law of a cell: at each station of D laws, those of the flank on the movable sheave, in space of that on the fixed
-/// sheave, and of the ring; then of the stack.
+/// A value for each law of a cell: at each station of D laws, those of the flank on the movable
+/// sheave, in space of that on the fixed sheave, and of the ring; then of the stack.
 pub type OfLaws<V> = [V; 3 * STATIONS + 1];
 
 /// Numbers of forces and arguments of a law, the last of which is the stack's.

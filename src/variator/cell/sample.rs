@@ -8,7 +8,8 @@ use crate::stack::Push;
 use crate::variator::cell::state::{CellInput, CellState, StationForces, StationState};
 use nalgebra::Vector2;
 
-/// Values at a station for outputs, losses and energies: of one cell, or of one in each lane of `L`.
+/// Values at a station for outputs, losses and energies: of one cell, or of one in each lane of
+/// `L`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample<L = f64> {
     /// Coordinate ξ of the station, m.
@@ -43,7 +44,8 @@ pub struct Sample<L = f64> {
     pub resultant: [L; 2],
     /// Tangential sliding speed, m/s.
     pub sliding: L,
-    /// Distance of the ring from the middle of the pulley, towards its movable sheave, m; 0 in the plane.
+    /// Distance of the ring from the middle of the pulley, towards its movable sheave, m; 0 in the
+    /// plane.
     pub offset: L,
     /// Deflection w along z, m, and its slope w'.
     pub lateral: [L; 2],

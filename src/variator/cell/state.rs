@@ -1,4 +1,5 @@
-//! The state of a cell and of its stations, used by its balance and by the derivatives of the balance.
+//! The state of a cell and of its stations, used by its balance and by the derivatives of the
+//! balance.
 
 use crate::contact::Friction;
 use crate::reference_curve::ReferencePoint;
@@ -37,8 +38,8 @@ pub struct StationState<T: Real, const D: usize> {
     pub weight: T,
 }
 
-/// The ring at the left face of a cell, ring and stack at its stations. Their size is kilobytes, so they are written in
-/// place.
+/// The ring at the left face of a cell, ring and stack at its stations. Their size is kilobytes, so
+/// they are written in place.
 #[derive(Clone, Copy, Debug)]
 pub struct CellPoints<T: Real, const D: usize> {
     pub face: Option<RingPoint<T, D>>,
@@ -61,8 +62,8 @@ impl<T: Real, const D: usize> CellPoints<T, D> {
     }
 }
 
-/// Speed V of the elements where the right face of a cell has the weight `right`: linear between the faces. The pins of a chain
-/// have that of the ring.
+/// Speed V of the elements where the right face of a cell has the weight `right`: linear between
+/// the faces. The pins of a chain have that of the ring.
 #[inline(always)]
 fn element_speed<T: Real, const D: usize>(
     given: &CellInput<'_, T>,
@@ -106,8 +107,9 @@ pub struct CellState<T: Real> {
 }
 
 impl<T: Real> CellState<T> {
-    /// The state of a cell with this `ring`; fills `points`. `reference` returns the reference curve at the face (0) and at
-    /// the stations (1 and up). One loop evaluates all points, so that the code for a point is inlined once.
+    /// The state of a cell with this `ring`; fills `points`. `reference` returns the reference
+    /// curve at the face (0) and at the stations (1 and up). One loop evaluates all points, so that
+    /// the code for a point is inlined once.
     #[inline(always)]
     pub fn new<R: CellRing<T, D>, const D: usize>(
         given: &CellInput<'_, T>,

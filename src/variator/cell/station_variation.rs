@@ -1,4 +1,5 @@
-//! Analytic derivatives at a station of a cell: variations of ring and stack, and of the resulting loads.
+//! Analytic derivatives at a station of a cell: variations of ring and stack, and of the resulting
+//! loads.
 
 use crate::contact::{FlankForce, FlankMotion};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
@@ -28,9 +29,11 @@ pub(crate) struct LinearisedStation<'a, const D: usize> {
     tangents: &'a [Tangents],
     /// Variations of the flanks with ż, ψ_x, ψ_y and ω.
     pub by_pulley: [FlankVariation; 4],
-    /// Derivatives of the drag of the ring's layers with respect to T − m_r ṡ² and to the ring's speed along itself.
+    /// Derivatives of the drag of the ring's layers with respect to T − m_r ṡ² and to the ring's
+    /// speed along itself.
     d_drag: [Lanes; 2],
-    /// Derivatives of the drag of elements that start and stop turning with respect to the throughput and V.
+    /// Derivatives of the drag of elements that start and stop turning with respect to the
+    /// throughput and V.
     d_rotation_drag: [Lanes; 2],
 }
 
@@ -42,7 +45,8 @@ pub(crate) struct StationVariation<'a, const D: usize> {
     pub flank: &'a FlankVariation,
     /// Variation of T, N.
     pub tension: Lanes,
-    /// Variation of inertia and drag of the elements along the belt, and of inertia and push force across it, N/m.
+    /// Variation of inertia and drag of the elements along the belt, and of inertia and push force
+    /// across it, N/m.
     pub along: Lanes,
     pub inward: [Lanes; 2],
     /// Variation of the drag of the ring's layers, N/m.
@@ -66,7 +70,8 @@ pub(crate) struct CellVariation {
 }
 
 impl<'a, const D: usize> LinearisedStation<'a, D> {
-    /// Station `i` of a `cell`, with `forces` of these `tangents`. `factors` are those of acceleration and position.
+    /// Station `i` of a `cell`, with `forces` of these `tangents`. `factors` are those of
+    /// acceleration and position.
     #[inline(always)]
     pub fn new(
         given: &CellInput<'_, Lanes>,
@@ -100,8 +105,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         }
     }
 
-    /// Variation of inertia and [drag](rotation_drag) of the elements along the belt, and of inertia and push force along the normals,
-    /// N/m; `alpha` is the factor of ẏ.
+    /// Variation of inertia and [drag](rotation_drag) of the elements along the belt, and of
+    /// inertia and push force along the normals, N/m; `alpha` is the factor of ẏ.
     #[inline(always)]
     pub fn vary_inertia(
         &self,
@@ -149,7 +154,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         [v_e, v_p]
     }
 
-    /// Variation of the place on the pulley and of the flanks' motion, where ring (`MOVES`) and stack vary.
+    /// Variation of the place on the pulley and of the flanks' motion, where ring (`MOVES`) and
+    /// stack vary.
     #[inline(always)]
     pub fn vary_kinematics<const MOVES: bool>(
         &self,
@@ -195,8 +201,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         flank
     }
 
-    /// Writes the variations of the arguments of the `laws` of flanks and ring where T varies by `tension`. Returns that of the drag of
-    /// the ring's layers, N/m.
+    /// Writes the variations of the arguments of the `laws` of flanks and ring where T varies by
+    /// `tension`. Returns that of the drag of the ring's layers, N/m.
     #[inline(always)]
     pub fn vary_arguments<const MOVES: bool>(
         &self,
@@ -243,8 +249,9 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         forces
     }
 
-    /// Adds the variation of the flanks' forces to the load on the ring and to those on the pulley. Returns the variations, N/m, of
-    /// the conjugate of V at the pitch line, with inertia, and of that at the ring centre line.
+    /// Adds the variation of the flanks' forces to the load on the ring and to those on the pulley.
+    /// Returns the variations, N/m, of the conjugate of V at the pitch line, with inertia, and of
+    /// that at the ring centre line.
     #[inline(always)]
     pub fn add_flank_forces<const MOVES: bool>(
         &self,
@@ -304,8 +311,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     }
 }
 
-/// Variation of the loads of a flank with this `force` where its place on the pulley and λ vary by `by`, and its forces by
-/// `forces`.
+/// Variation of the loads of a flank with this `force` where its place on the pulley and λ vary by
+/// `by`, and its forces by `forces`.
 #[inline(always)]
 fn vary_loads(
     law: &CellLaw,
@@ -333,7 +340,8 @@ fn vary_loads(
     }
 }
 
-/// Variation of an [`FlankKinematics`] and of λ: the place of a point of the belt on its pulley and the motion of its flanks.
+/// Variation of an [`FlankKinematics`] and of λ: the place of a point of the belt on its pulley and
+/// the motion of its flanks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FlankVariation {
     /// Motion of a flank in the middle of the pulley.
@@ -349,8 +357,9 @@ pub(crate) struct FlankVariation {
 }
 
 impl FlankVariation {
-    /// The variations with ż, ψ_x, ψ_y and ω at a point of the belt, whose place and velocities are `at`: forward
-    /// differentiation of its approach. `alpha` and `beta` are the factors of acceleration and position.
+    /// The variations with ż, ψ_x, ψ_y and ω at a point of the belt, whose place and velocities are
+    /// `at`: forward differentiation of its approach. `alpha` and `beta` are the factors of
+    /// acceleration and position.
     #[inline(always)]
     pub fn of_pulley(
         given: &CellInput<'_, Lanes>,

@@ -1,11 +1,12 @@
-//! Analytic derivatives of [`balance`](crate::variator::cell::balance::balance) with the own unknowns of a cell and those of
-//! its pulley.
+//! Analytic derivatives of [`balance`](crate::variator::cell::balance::balance) with the own
+//! unknowns of a cell and those of its pulley.
 //!
-//! Forward differentiation repeats the whole law for each direction, although a node moves only the ring, a sheave only
-//! the flanks, and nearly all relations between them are linear. Here the coefficients of the variation are stored for each
-//! station. Nonlinear laws (flanks, stack) are differentiated forward in their few arguments. This takes less than half the
-//! time and agrees to rounding: a test of `variator` compares the two. The drift and the coordinates of the curve change
-//! every quantity, so they use forward differentiation.
+//! Forward differentiation repeats the whole law for each direction, although a node moves only the
+//! ring, a sheave only the flanks, and nearly all relations between them are linear. Here the
+//! coefficients of the variation are stored for each station. Nonlinear laws (flanks, stack) are
+//! differentiated forward in their few arguments. This takes less than half the time and agrees to
+//! rounding: a test of `variator` compares the two. The drift and the coordinates of the curve
+//! change every quantity, so they use forward differentiation.
 
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
@@ -70,12 +71,13 @@ impl Direction {
 /// Forces at the stations of a cell.
 type ForcesOfCell<const D: usize> = [Option<StationForces<Lanes, D>>; STATIONS];
 
-/// Variations of ring and stack at the stations. Their size is kilobytes, so they are written in place.
+/// Variations of ring and stack at the stations. Their size is kilobytes, so they are written in
+/// place.
 type VariedStations<const D: usize> = [Option<(RingVariation<Lanes, D>, StackVariation<Lanes>)>; STATIONS];
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Linearises evaluated cells with this `ring`: ring and stack at their `points`, `forces` at the stations, `tangents` of the
-    /// laws. `factors` are those of acceleration and position.
+    /// Linearises evaluated cells with this `ring`: ring and stack at their `points`, `forces` at
+    /// the stations, `tangents` of the laws. `factors` are those of acceleration and position.
     #[inline(always)]
     pub fn new(
         ring: &'a R,
@@ -114,8 +116,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// Variation of balance and ring forces with an unknown that moves the ring (`MOVES`), or elements or pulley alone. Writes that of
-    /// the `arguments` of the laws.
+    /// Variation of balance and ring forces with an unknown that moves the ring (`MOVES`), or
+    /// elements or pulley alone. Writes that of the `arguments` of the laws.
     #[inline(always)]
     pub fn vary<const MOVES: bool>(
         &self,
@@ -167,7 +169,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         (out, self.ring.varied_forces(&sum, own, beta))
     }
 
-    /// Variation of ring and stack at the face (0) or at a station (1 and up), where V varies by `speed`.
+    /// Variation of ring and stack at the face (0) or at a station (1 and up), where V varies by
+    /// `speed`.
     #[inline(always)]
     fn vary_point<const MOVES: bool>(
         &self,
@@ -246,8 +249,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// Calls `record` with the variation of balance and ring forces for a unit variation of each force of the laws, and the number
-    /// of the force.
+    /// Calls `record` with the variation of balance and ring forces for a unit variation of each
+    /// force of the laws, and the number of the force.
     #[inline(always)]
     pub fn for_each_force(&self, mut record: impl FnMut(usize, CellBalance<Lanes>, RingForces<Lanes, D>)) {
         let [zero, one] = [0.0, 1.0].map(Lanes::from);
@@ -273,7 +276,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         record(self.given.geometry.stations.len() * D * FORCES, out, ring);
     }
 
-    /// Adds the loads at station `i` of forces of its laws and of a force across the belt, where nothing moves.
+    /// Adds the loads at station `i` of forces of its laws and of a force across the belt, where
+    /// nothing moves.
     #[inline(always)]
     fn add_unit(
         &self,
@@ -295,7 +299,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         self.add_loads::<false>(at, &change, (LineLoad::zero(), forces), out, sum);
     }
 
-    /// Adds the variation of the loads at station `i`, with that of the ring's own load and of the forces of flanks and ring.
+    /// Adds the variation of the loads at station `i`, with that of the ring's own load and of the
+    /// forces of flanks and ring.
     #[inline(always)]
     fn add_loads<const MOVES: bool>(
         &self,

@@ -12,7 +12,8 @@ use crate::variator::settings::signals::Losses;
 use crate::variator::system::VariatorSystem;
 use num_traits::Zero;
 
-/// Axial force below which the belt counts as unclamped: thrust ratio, utilisation and steady state are then undefined, N.
+/// Axial force below which the belt counts as unclamped: thrust ratio, utilisation and steady state
+/// are then undefined, N.
 pub(crate) const NO_FORCE: f64 = 1.0;
 
 /// The belt at one state.

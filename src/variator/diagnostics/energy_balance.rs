@@ -60,10 +60,11 @@ impl System for Problem<'_> {
 }
 
 impl Evolution for Problem<'_> {
-    /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm),
-    /// displaced centres (5 mm; their turn to 5e-3 of the tolerance), tilt (2 mrad), speeds (10 rad/s and a tenth of the
-    /// speed); belt speed and sliding (m/s); element contents (5 mm: push force); ring positions (10 mm: tension, radial
-    /// deviation). The last three enter as a mean over the belt.
+    /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance),
+    /// sheave positions (1 mm), displaced centres (5 mm; their turn to 5e-3 of the tolerance), tilt
+    /// (2 mrad), speeds (10 rad/s and a tenth of the speed); belt speed and sliding (m/s); element
+    /// contents (5 mm: push force); ring positions (10 mm: tension, radial deviation). The last
+    /// three enter as a mean over the belt.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
         let belt = &*self.system.belt;
         let layout = &belt.layout;
@@ -135,15 +136,16 @@ impl Evolution for Problem<'_> {
     }
 }
 
-/// Work of clamp, pressure and rotating oil in a step, and the loss of damper and seals beyond the trapezoidal rule, J.
+/// Work of clamp, pressure and rotating oil in a step, and the loss of damper and seals beyond the
+/// trapezoidal rule, J.
 struct SheaveWork {
     work: f64,
     damped: f64,
 }
 
 impl Problem<'_> {
-    /// Work on the own inertia of a pulley in speed drive: it follows its set point in less than a step, and this work is
-    /// known. Else zero.
+    /// Work on the own inertia of a pulley in speed drive: it follows its set point in less than a
+    /// step, and this work is known. Else zero.
     fn work_on_set_point(
         &self,
         pulley: Pulley,
@@ -159,9 +161,10 @@ impl Problem<'_> {
         0.5 * self.system.parameters.pulley(pulley).inertia * change
     }
 
-    /// A sheave's step response is shorter than a step, so its force's work and the loss of its damper and seals follow from Simpson's
-    /// rule, with ż in the middle from the change of z: under a constant force the work is exact. `forces` of clamp and pressure are
-    /// those at the start, in the middle and at the end.
+    /// A sheave's step response is shorter than a step, so its force's work and the loss of its
+    /// damper and seals follow from Simpson's rule, with ż in the middle from the change of z:
+    /// under a constant force the work is exact. `forces` of clamp and pressure are those at the
+    /// start, in the middle and at the end.
     fn sheave_work(
         &self,
         pulley: Pulley,
@@ -193,8 +196,8 @@ impl Problem<'_> {
     }
 }
 
-/// Powers of a state, W, from the belt's sums there: supplied, lost, and moved over the shafts. Those of the clamping forces, and what
-/// accelerates a pulley in speed drive, are not in them.
+/// Powers of a state, W, from the belt's sums there: supplied, lost, and moved over the shafts.
+/// Those of the clamping forces, and what accelerates a pulley in speed drive, are not in them.
 fn powers(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &BeltSums) -> [f64; 3] {
     let speeds = system.belt.shaft_speeds(view);
     let mut moved = 0.0;

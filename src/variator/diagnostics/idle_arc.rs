@@ -1,14 +1,17 @@
-//! Idle arcs: the part of each arc, from its entry on, where the push force is still that of the strand that feeds it.
+//! Idle arcs: the part of each arc, from its entry on, where the push force is still that of the
+//! strand that feeds it.
 //!
-//! The arc consists of an idle part, where the elements move with the pulley and the push force does not change, and an
-//! active part, where it changes from one strand's to the other's (Kobayashi et al., SAE 980822).
+//! The arc consists of an idle part, where the elements move with the pulley and the push force
+//! does not change, and an active part, where it changes from one strand's to the other's
+//! (Kobayashi et al., SAE 980822).
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::variator::cell::sample::Sample;
 use crate::variator::diagnostics::{IDLE_CHANGE, NO_DIFFERENCE};
 use crate::variator::mesh::belt_mesh::BeltMesh;
 
-/// Mean push forces, N, of the strand from S to P and of the strand from P to S, in the direction of ξ.
+/// Mean push forces, N, of the strand from S to P and of the strand from P to S, in the direction
+/// of ξ.
 fn strand_forces(stations: &[Sample], length: f64) -> [f64; 2] {
     let (mut sums, mut lengths) = ([0.0; 2], [0.0; 2]);
     for sample in stations.iter().filter(|sample| !sample.on_arc()) {
@@ -19,7 +22,8 @@ fn strand_forces(stations: &[Sample], length: f64) -> [f64; 2] {
     [0, 1].map(|k| sums[k] / lengths[k])
 }
 
-/// The idle arc of each pulley, rad, of a belt of this `length`, m, that travels along ξ, or against it if `reverse`.
+/// The idle arc of each pulley, rad, of a belt of this `length`, m, that travels along ξ, or
+/// against it if `reverse`.
 pub(super) fn idle_arcs(mesh: &BeltMesh, stations: &[Sample], length: f64, reverse: bool) -> PerPulley<f64> {
     let strands = strand_forces(stations, length);
     let difference = (strands[1] - strands[0]).abs();

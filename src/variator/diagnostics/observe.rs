@@ -27,7 +27,8 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// Fills `out` from the state at a time, s, and the diagnostics of the belt there, but for what depends on the run before.
+    /// Fills `out` from the state at a time, s, and the diagnostics of the belt there, but for what
+    /// depends on the run before.
     pub fn observe(
         &mut self,
         system: &VariatorSystem,
@@ -93,8 +94,8 @@ impl Observer {
         out.stored_energy = diagnostics.belt_energy(belt) + system.pulleys().energy(view);
     }
 
-    /// The tension of a cubic element oscillates about its mean wherever the curvature changes fast. The balance along the
-    /// ring determines the mean.
+    /// The tension of a cubic element oscillates about its mean wherever the curvature changes
+    /// fast. The balance along the ring determines the mean.
     /// Its curvature, which is linear in an element, has a mean of higher accuracy, too.
     fn mean_elements(&mut self, mesh: &BeltMesh, length: f64) {
         self.elements.clear();
@@ -127,8 +128,9 @@ impl Observer {
         ring_stress(of, motion, &self.elements, &mut self.stresses)
     }
 
-    /// Fills fields along the belt: linear between stations, around the loop. Samples, means of the elements and their stress are
-    /// those of the last [`observe`](Self::observe), which must have been at the same state, with these sums.
+    /// Fills fields along the belt: linear between stations, around the loop. Samples, means of the
+    /// elements and their stress are those of the last [`observe`](Self::observe), which must have
+    /// been at the same state, with these sums.
     pub fn profile(&self, belt: &Belt, view: View<'_>, sums: &BeltSums, profile: &mut Profile) {
         let mesh = &belt.mesh;
         let radii = sums.mean_radii(belt, view);
@@ -182,8 +184,8 @@ impl Observer {
 }
 
 impl Outputs {
-    /// Sets the quotients of the pulleys' outputs: both ratios, slip, thrust ratio and efficiencies. `shaft_torques` are those of belt and
-    /// drag, N·m.
+    /// Sets the quotients of the pulleys' outputs: both ratios, slip, thrust ratio and
+    /// efficiencies. `shaft_torques` are those of belt and drag, N·m.
     pub fn set_quotients(&mut self, shaft_torques: PerPulley<f64>) {
         let (p, s) = (&self.primary, &self.secondary);
         let stands = |of: &PulleyOutputs| of.speed.abs() * of.radius < NO_SPEED;
@@ -207,8 +209,8 @@ impl Outputs {
     }
 }
 
-/// Power out at the driven side / power in at the driving side; 0 where no power flows in. `power` is the power into the
-/// belt at each side, W.
+/// Power out at the driven side / power in at the driving side; 0 where no power flows in. `power`
+/// is the power into the belt at each side, W.
 fn efficiency([primary, secondary]: [f64; 2]) -> f64 {
     let (driving, driven) = (primary.max(secondary), -primary.min(secondary));
     if driving < NO_FORCE * NO_SPEED {
@@ -218,7 +220,8 @@ fn efficiency([primary, secondary]: [f64; 2]) -> f64 {
     (driven / driving).clamp(0.0, 1.0) + 0.0
 }
 
-/// Torque at the primary pulley, where the belt runs at `radius`, m, relative to the full-slip torque; at most 10.
+/// Torque at the primary pulley, where the belt runs at `radius`, m, relative to the full-slip
+/// torque; at most 10.
 fn torque_utilisation(system: &VariatorSystem, sums: &BeltSums, radius: f64) -> f64 {
     if sums.axial.secondary < NO_FORCE {
         return 0.0;
@@ -233,7 +236,8 @@ fn torque_utilisation(system: &VariatorSystem, sums: &BeltSums, radius: f64) -> 
     }
 }
 
-/// Fills in the distance between the pulleys' middles along z, and the lateral deflection of a ring in space.
+/// Fills in the distance between the pulleys' middles along z, and the lateral deflection of a ring
+/// in space.
 fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) {
     let middles = belt.middles(view);
     out.misalignment = middles.primary - middles.secondary;
@@ -265,8 +269,8 @@ fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) 
 fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
     let mut range = (f64::INFINITY, f64::NEG_INFINITY);
     let mut widen = |radius: f64| range = (range.0.min(radius), range.1.max(radius));
-    // Faces are included: the radius changes fastest at the arc borders, beyond the last station. On the aligned mesh the
-    // face after an arc is its end.
+    // Faces are included: the radius changes fastest at the arc borders, beyond the last station.
+    // On the aligned mesh the face after an arc is its end.
     let mut left_arc = false;
     for (k, sample) in stations.iter().enumerate() {
         if mesh.cells[k / mesh.points].pulley != j {
@@ -283,8 +287,9 @@ fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
     range.1 - range.0
 }
 
-/// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the fraction of the second.
-/// `right` is the index of the last result, so `xi` must ascend from call to call.
+/// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the
+/// fraction of the second. `right` is the index of the last result, so `xi` must ascend from call
+/// to call.
 fn bracket<T>(
     list: &[T],
     at: impl Fn(&T) -> f64,
@@ -302,8 +307,8 @@ fn bracket<T>(
     (a, b, ((xi - from) / (to - from)).clamp(0.0, 1.0))
 }
 
-/// Macro-slip: the loaded stations of a pulley slide tangentially one way, faster than a limit on average. Once set, it stays until the mean
-/// falls below a fraction of that.
+/// Macro-slip: the loaded stations of a pulley slide tangentially one way, faster than a limit on
+/// average. Once set, it stays until the mean falls below a fraction of that.
 pub(crate) fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSums, before: bool) -> bool {
     let radii = sums.mean_radii(&system.belt, view);
     Pulley::BOTH.into_iter().any(|j| {

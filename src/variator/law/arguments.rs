@@ -23,8 +23,8 @@ pub struct CellLaw {
     pub layers: Layers,
     /// Parameters of the joints of a pull chain; `None` for a pushbelt.
     pub joints: Option<Joints>,
-    /// Mass m_r per length whose centrifugal force reduces the load of the ring on what it slides on, kg/m: that of the ring; 0 for
-    /// the joints of a chain, which carry the whole tension.
+    /// Mass m_r per length whose centrifugal force reduces the load of the ring on what it slides
+    /// on, kg/m: that of the ring; 0 for the joints of a chain, which carry the whole tension.
     pub saddle_mass: f64,
     /// Parameters of the contact between flank and sheave.
     pub contact: Contact,
@@ -38,10 +38,12 @@ pub struct CellLaw {
     pub planes: PerPulley<SheavePlane>,
 }
 
-/// The middle of a pulley along z: it moves by half the travel of the movable sheave, away from that sheave.
+/// The middle of a pulley along z: it moves by half the travel of the movable sheave, away from
+/// that sheave.
 ///
-/// The movable sheaves are on opposite sides of the belt, so both middles move in the same direction when the ratio
-/// changes. Their distance changes by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β, because the radii do not change equally.
+/// The movable sheaves are on opposite sides of the belt, so both middles move in the same
+/// direction when the ratio changes. Their distance changes by z_P/2 + z_S/2 = (r_P + r_S − 2r₀)
+/// tan β, because the radii do not change equally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheavePlane {
     /// Side of the movable sheave: +1 or −1 along z.
@@ -58,8 +60,8 @@ impl CellLaw {
         self.joints.is_some()
     }
 
-    /// [`CellGeometry::layer_drag`] and [`CellGeometry::rotation_drag`] on the arc of each pulley, the secondary first. `radii` and `wraps` are those of the
-    /// ring's arcs, m and rad.
+    /// [`CellGeometry::layer_drag`] and [`CellGeometry::rotation_drag`] on the arc of each pulley,
+    /// the secondary first. `radii` and `wraps` are those of the ring's arcs, m and rad.
     #[inline(always)]
     #[must_use]
     pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [[T; 2]; 2] {
@@ -135,7 +137,8 @@ pub enum StateComponent {
 }
 
 impl<T: Real> CellMotion<T> {
-    /// From the `unknown` of a part and a degree of freedom: V, V, N start at `own`, s, Θ at `drift`, z, ψ_x, ψ_y, ω at `sheave`.
+    /// From the `unknown` of a part and a degree of freedom: V, V, N start at `own`, s, Θ at
+    /// `drift`, z, ψ_x, ψ_y, ω at `sheave`.
     #[inline(always)]
     pub fn of_unknowns(
         [own, drift, sheave]: [usize; 3],
@@ -208,7 +211,8 @@ impl<T: Real> PulleyLoad<T> {
     }
 }
 
-/// Generalised residual forces of a cell (inertia − forces), without those on the ring, and its flow.
+/// Generalised residual forces of a cell (inertia − forces), without those on the ring, and its
+/// flow.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CellBalance<T> {
     /// Conjugates of V at the faces, N.
@@ -234,7 +238,8 @@ pub struct CellGeometry<'a, T: Real> {
     pub plane: [T::Constant; 2],
     /// Length of the element.
     pub length: Jet<T>,
-    /// Drag of the ring's layers, or of a chain's joints, on the nearest arc, as a fraction of the ring's normal load.
+    /// Drag of the ring's layers, or of a chain's joints, on the nearest arc, as a fraction of the
+    /// ring's normal load.
     pub layer_drag: T,
     /// Drag of elements that start and stop turning, on the nearest arc: I/(h R² α), kg/m.
     pub rotation_drag: T,

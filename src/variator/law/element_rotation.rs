@@ -1,20 +1,23 @@
 //! Drag of elements that start and stop turning.
 //!
-//! An element turns at V/R about its rocking edge on an arc of pitch radius R, and not at all on a strand. It is spun up
-//! where it enters an arc and stopped where it leaves. Both are taken as plastic: with the moment of inertia I about the
-//! edge, an element and an arc cost I (V/R)², half of it lost at each border. This is an upper bound, because a part of
-//! the energy may return to the belt.
+//! An element turns at V/R about its rocking edge on an arc of pitch radius R, and not at all on a
+//! strand. It is spun up where it enters an arc and stopped where it leaves. Both are taken as
+//! plastic: with the moment of inertia I about the edge, an element and an arc cost I (V/R)², half
+//! of it lost at each border. This is an upper bound, because a part of the energy may return to
+//! the belt.
 //!
-//! νJ/h elements of thickness h pass in a second, with their gaps. On an arc of wrap angle α, the drag per dξ against V is
+//! νJ/h elements of thickness h pass in a second, with their gaps. On an arc of wrap angle α, the
+//! drag per dξ against V is
 //!
 //! f = I/(h R² α) κ ν |J| V,
 //!
 //! so its power over the arc is (νJ/h) I (V/R)². |J| is smooth at a standstill: J²/√(J² + v₀²).
 //!
-//! The power is exact; the place where it acts is a simplification. The drag is spread over the arc in proportion to the
-//! turning angle, because then it holds for every mesh, follows the arc as the ratio changes, and has no jump where the gaps
-//! of the strands begin. At the borders it would change the push force within an arc by half its sum: on the smaller pulley in
-//! overdrive by 2 N at 2000 rpm and 12 N at 5000 rpm.
+//! The power is exact; the place where it acts is a simplification. The drag is spread over the arc
+//! in proportion to the turning angle, because then it holds for every mesh, follows the arc as the
+//! ratio changes, and has no jump where the gaps of the strands begin. At the borders it would
+//! change the push force within an arc by half its sum: on the smaller pulley in overdrive by 2 N
+//! at 2000 rpm and 12 N at 5000 rpm.
 //!
 //! The moment that turns the elements has no reaction on ring or pulleys.
 
@@ -24,8 +27,8 @@ use crate::stack::PushElements;
 /// Regularisation speed v₀ of |J|, m/s.
 const FLOW_SMOOTHING: f64 = 0.1;
 
-/// I/(h R² α) of the secondary and of the primary arc, kg/m: `radii` are the pitch radii in that order, m, `wraps` the wrap
-/// angles, rad.
+/// I/(h R² α) of the secondary and of the primary arc, kg/m: `radii` are the pitch radii in that
+/// order, m, `wraps` the wrap angles, rad.
 #[inline(always)]
 pub fn rotation_drag_coefficients<T: Real>(belt: &PushElements, radii: [T; 2], wraps: [T; 2]) -> [T; 2] {
     let per_thickness = belt.element_inertia / belt.element_thickness;
@@ -35,7 +38,8 @@ pub fn rotation_drag_coefficients<T: Real>(belt: &PushElements, radii: [T; 2], w
     std::array::from_fn(|k| curvatures[k] * curvatures[k] * wraps[1 - k] * inverse)
 }
 
-/// ν|J|, the throughput of elements, m/s, at the density `nu` and the flow `flow` through the mesh, m/s.
+/// ν|J|, the throughput of elements, m/s, at the density `nu` and the flow `flow` through the mesh,
+/// m/s.
 #[inline(always)]
 pub fn throughput<T: Real>(nu: T, flow: T) -> T {
     let square = flow * flow;
@@ -43,8 +47,8 @@ pub fn throughput<T: Real>(nu: T, flow: T) -> T {
     nu * square * inverse
 }
 
-/// Drag of the elements per dξ, N/m, on an arc of this [coefficient](rotation_drag_coefficients) and curvature `kappa`, with the
-/// [`throughput`], m/s, at the speed `speed`, m/s.
+/// Drag of the elements per dξ, N/m, on an arc of this [coefficient](rotation_drag_coefficients)
+/// and curvature `kappa`, with the [`throughput`], m/s, at the speed `speed`, m/s.
 #[inline(always)]
 pub fn rotation_drag<T: Real>(coefficient: T, kappa: T, [throughput, speed]: [T; 2]) -> T {
     coefficient * kappa * throughput * speed

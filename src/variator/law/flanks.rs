@@ -73,8 +73,8 @@ impl<T: Real> FlankSum<T> {
         }
     }
 
-    /// Load on the pulley, per ring length, with the moment of the axial force about the pulley's centre, N, and the contact force on the
-    /// belt, N/m.
+    /// Load on the pulley, per ring length, with the moment of the axial force about the pulley's
+    /// centre, N, and the contact force on the belt, N/m.
     #[inline(always)]
     pub fn on_pulley(&self, moment: Vector2<T>, force: Vector2<T>) -> PulleyLoad<T> {
         PulleyLoad {
@@ -99,7 +99,8 @@ pub struct BothFlanks<T> {
     pub offset: T,
 }
 
-/// Position of a point of the belt relative to its pulley, and the motion of its flanks on the sheaves.
+/// Position of a point of the belt relative to its pulley, and the motion of its flanks on the
+/// sheaves.
 #[derive(Clone, Copy, Debug)]
 pub struct FlankKinematics<T: Real> {
     /// Unit vector from the axis.
@@ -123,8 +124,8 @@ pub struct FlankKinematics<T: Real> {
 }
 
 impl<T: Real> FlankKinematics<T> {
-    /// The approach of a point r of the ring with the element velocities v_e at the ring centre line and v_p at the pitch
-    /// line, all in the plane of the drive.
+    /// The approach of a point r of the ring with the element velocities v_e at the ring centre
+    /// line and v_p at the pitch line, all in the plane of the drive.
     #[inline(always)]
     pub fn new(
         law: &CellLaw,
@@ -162,9 +163,9 @@ impl<T: Real> FlankKinematics<T> {
         }
     }
 
-    /// Loads of the two flanks of an element with velocity v_e at the ring centre line. In the plane both flanks have
-    /// the same loads; in space the element may be out of the middle. `plane` is
-    /// [`CellGeometry::plane`](crate::variator::law::arguments::CellGeometry::plane).
+    /// Loads of the two flanks of an element with velocity v_e at the ring centre line. In the
+    /// plane both flanks have the same loads; in space the element may be out of the middle.
+    /// `plane` is [`CellGeometry::plane`](crate::variator::law::arguments::CellGeometry::plane).
     #[inline(always)]
     pub fn both_flanks<const D: usize>(
         &self,

@@ -1,4 +1,5 @@
-//! Laws of a cell: its arguments and results, contact of its flanks with the pulley, friction of the ring.
+//! Laws of a cell: its arguments and results, contact of its flanks with the pulley, friction of
+//! the ring.
 
 pub(crate) mod arguments;
 pub(crate) mod element_rotation;

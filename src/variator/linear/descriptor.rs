@@ -45,8 +45,9 @@ impl Descriptor {
         descriptor
     }
 
-    /// The total element content is constant. This constraint replaces one of the balances, whose sum implies it. Otherwise it
-    /// would be a mode with the eigenvalue 0, which rounding mixes with slow ones.
+    /// The total element content is constant. This constraint replaces one of the balances, whose
+    /// sum implies it. Otherwise it would be a mode with the eigenvalue 0, which rounding mixes
+    /// with slow ones.
     fn constrain_amounts(&mut self, system: &VariatorSystem) {
         let cells = system.belt.layout.cells();
         let balance = system.belt.layout.content(cells - 1);

@@ -61,7 +61,8 @@ pub(super) fn loads_in_force(parameters: &Parameters) -> Vec<Load> {
     loads
 }
 
-/// B of the descriptor system: the negative derivatives of the residual by the loads, in which it is linear.
+/// B of the descriptor system: the negative derivatives of the residual by the loads, in which it
+/// is linear.
 pub(super) fn load_columns(point: &mut WorkingPoint, loads: &[Load], size: usize) -> Mat<f64> {
     let (system, state, inputs) = (&mut point.system, &point.state, point.inputs);
     let mut residual = |inputs: &Inputs| {

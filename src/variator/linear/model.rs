@@ -16,7 +16,8 @@ use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::{Inputs, Outputs};
 
-/// ẋ = A x + B u, y = C x + D u about the working point. Each matrix is a list of its rows; deviations in SI units.
+/// ẋ = A x + B u, y = C x + D u about the working point. Each matrix is a list of its rows;
+/// deviations in SI units.
 #[derive(Clone, Debug)]
 pub struct LinearModel {
     /// Specified inputs.
@@ -35,16 +36,17 @@ pub struct LinearModel {
     pub c: Vec<Vec<f64>>,
     /// D: direct effect of the loads on the outputs, through modes that are not in A.
     pub d: Vec<Vec<f64>>,
-    /// Eigenvalues of A, 1/s, in the order of the states, the slowest first: real and imaginary part. A conjugate pair has
-    /// two states.
+    /// Eigenvalues of A, 1/s, in the order of the states, the slowest first: real and imaginary
+    /// part. A conjugate pair has two states.
     pub poles: Vec<[f64; 2]>,
-    /// Differences from the specified working point: the belt slips through, or other loads hold it. One sentence each.
+    /// Differences from the specified working point: the belt slips through, or other loads hold
+    /// it. One sentence each.
     pub remarks: Vec<String>,
 }
 
-/// The linear model about the steady state at the initial ratio and speed: modes below `frequency`, Hz, and the outputs
-/// that `read` picks. The torques, and the clamping force of the pulley that reacts, are those that hold the state; they
-/// are among the inputs of the model.
+/// The linear model about the steady state at the initial ratio and speed: modes below `frequency`,
+/// Hz, and the outputs that `read` picks. The torques, and the clamping force of the pulley that
+/// reacts, are those that hold the state; they are among the inputs of the model.
 ///
 /// # Errors
 /// See [`LinearError`].
@@ -57,8 +59,8 @@ pub fn linearise(
     about(WorkingPoint::new(parameters, inputs)?, frequency, read)
 }
 
-/// The linear model about the present state of `variator`, as [`linearise`]. `inputs` are those that act: where others hold
-/// the state, there is a remark in [`LinearModel::remarks`].
+/// The linear model about the present state of `variator`, as [`linearise`]. `inputs` are those
+/// that act: where others hold the state, there is a remark in [`LinearModel::remarks`].
 ///
 /// # Errors
 /// See [`LinearError`].
@@ -91,8 +93,8 @@ fn about(
     let slow_a = projection.solve(&left * &descriptor.a * &right);
     let slow_b = projection.solve(&left * &b);
     let rates = &right * &slow_a;
-    // What the slow modes leave of the response of the whole system to each load: that of the slow modes is large here, and sliding depends on it
-    // nonlinearly.
+    // What the slow modes leave of the response of the whole system to each load: that of the slow
+    // modes is large here, and sliding depends on it nonlinearly.
     let whole = factors.solve(&b);
     let identity = Mat::<f64>::identity(poles.len(), poles.len());
     let slow = (identity * Scale(shift) - &slow_a)
@@ -135,8 +137,8 @@ fn transposed(columns: &[Vec<f64>], rows: usize) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Derivatives of outputs along a direction of the state, in which a load changes by one, by central differences over which the laws are
-/// nearly linear.
+/// Derivatives of outputs along a direction of the state, in which a load changes by one, by
+/// central differences over which the laws are nearly linear.
 fn derivatives_along(
     point: &mut WorkingPoint,
     load: Option<Load>,
@@ -161,7 +163,8 @@ fn derivatives_along(
         }
     }
     let step = 1.0 / largest;
-    // A clamping force is not negative, so none lies below that of a pulley that is closed by pressure alone.
+    // A clamping force is not negative, so none lies below that of a pulley that is closed by
+    // pressure alone.
     let offset = if load.is_some_and(|load| load.unit() == "N") {
         step
     } else {

@@ -11,9 +11,10 @@ use crate::variator::linear::{NEUTRAL, SHIFT};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
 
-/// Eigenvalues of the steady state at the initial ratio and speed below `frequency`, Hz, the one that grows most first.
-/// Each is its real and imaginary part, 1/s; of a conjugate pair only the one with the positive imaginary part is listed.
-/// A run with long steps doesn't show whether fast modes grow: the integrator damps them.
+/// Eigenvalues of the steady state at the initial ratio and speed below `frequency`, Hz, the one
+/// that grows most first. Each is its real and imaginary part, 1/s; of a conjugate pair only the
+/// one with the positive imaginary part is listed. A run with long steps doesn't show whether fast
+/// modes grow: the integrator damps them.
 ///
 /// # Errors
 /// See [`LinearError`].
@@ -34,8 +35,8 @@ pub fn modes(parameters: &Parameters, inputs: &Inputs, frequency: f64) -> Result
     Ok(modes)
 }
 
-/// D⁻¹MD, whose rows have the norms of its columns, and the diagonal D. Without balancing, rounding moves eigenvalues near the
-/// cut-off by a tenth, because the unknowns have many units.
+/// D⁻¹MD, whose rows have the norms of its columns, and the diagonal D. Without balancing, rounding
+/// moves eigenvalues near the cut-off by a tenth, because the unknowns have many units.
 fn balanced(matrix: &Mat<f64>) -> Result<(Mat<f64>, Vec<f64>), LinearError> {
     let n = matrix.nrows();
     let mut copy = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)]);
@@ -54,12 +55,14 @@ fn unshifted(sigma: f64, value: c64) -> c64 {
     c64::new(sigma, 0.0) - c64::new(1.0, 0.0) / value
 }
 
-/// The slow modes of a descriptor system, the slowest first: a real basis of the right invariant subspace, with a column for each real mode
-/// and two for a conjugate pair; the same of the left one, as rows; and the eigenvalues, one for each column. Of a pair that with the
-/// positive imaginary part comes first.
+/// The slow modes of a descriptor system, the slowest first: a real basis of the right invariant
+/// subspace, with a column for each real mode and two for a conjugate pair; the same of the left
+/// one, as rows; and the eigenvalues, one for each column. Of a pair that with the positive
+/// imaginary part comes first.
 pub(super) type SlowModes = (Mat<f64>, Mat<f64>, Vec<[f64; 2]>);
 
-/// Modes with |λ| below `cut_off`, neutral ones left out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E. `factors` are those of σE − A.
+/// Modes with |λ| below `cut_off`, neutral ones left out: λ = σ − 1/μ for the eigenvalues μ of (σE
+/// − A)⁻¹E. `factors` are those of σE − A.
 pub(super) fn slow_modes(
     descriptor: &Descriptor,
     factors: &PartialPivLu<f64>,
@@ -79,8 +82,8 @@ pub(super) fn slow_modes(
     let mut right = pairs(&inverted)?;
     right.retain(|(lambda, _)| is_slow(*lambda, cut_off));
     right.sort_by(|(a, _), (b, _)| a.norm().total_cmp(&b.norm()));
-    // Left eigenvectors w of D⁻¹(σE − A)⁻¹ED; those of the pencil are w D⁻¹(σE − A)⁻¹. Rounding may move an eigenvalue across
-    // the cut-off, so each is matched with the nearest one.
+    // Left eigenvectors w of D⁻¹(σE − A)⁻¹ED; those of the pencil are w D⁻¹(σE − A)⁻¹. Rounding may
+    // move an eigenvalue across the cut-off, so each is matched with the nearest one.
     let mut others = pairs(&inverted.transpose().to_owned())?;
     let mut left = Vec::with_capacity(right.len());
     for (lambda, _) in &right {

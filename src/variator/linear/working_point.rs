@@ -25,7 +25,8 @@ pub enum LinearError {
     /// The state is not steady.
     #[error("this is not a steady working point: {0}")]
     Unsteady(String),
-    /// The eigenvalues were not found, or right and left ones differ because they are too close to each other.
+    /// The eigenvalues were not found, or right and left ones differ because they are too close to
+    /// each other.
     #[error("the eigenvalues were not found: slow modes are too close to each other")]
     Eigenvalues,
     /// No eigenvalue is below the frequency.

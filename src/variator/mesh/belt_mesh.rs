@@ -1,13 +1,14 @@
 //! The mesh: ring elements around the belt, each divided into cells.
 //!
-//! It has five segments, each divided into elements. Element borders follow the arc borders for every Θ, so every
-//! quadrature point stays on its own arc or strand and all integrals are smooth in Θ. Elements are graded towards the
-//! arc borders, where contact begins (pressure rises over about 5 mm) and the ring has its bending boundary layer
-//! (√(EI/T) ≈ 2 mm).
+//! It has five segments, each divided into elements. Element borders follow the arc borders for
+//! every Θ, so every quadrature point stays on its own arc or strand and all integrals are smooth
+//! in Θ. Elements are graded towards the arc borders, where contact begins (pressure rises over
+//! about 5 mm) and the ring has its bending boundary layer (√(EI/T) ≈ 2 mm).
 //!
-//! A mesh that is not aligned to the arcs has one segment, the whole curve, with elements evenly spaced along ξ. Arc
-//! borders move through the elements, and the reference curvature jumps at the quadrature points that a border passes.
-//! Each cell still has one pulley, provided that no arc reaches the quarters of the belt, ξ = L/4 and 3L/4.
+//! A mesh that is not aligned to the arcs has one segment, the whole curve, with elements evenly
+//! spaced along ξ. Arc borders move through the elements, and the reference curvature jumps at the
+//! quadrature points that a border passes. Each cell still has one pulley, provided that no arc
+//! reaches the quarters of the belt, ξ = L/4 and 3L/4.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::ring::mesh::{Spacing, divide, parts};
@@ -88,7 +89,8 @@ impl CellDivision {
 /// Elements and cells around the loop; the first node is at ξ = 0.
 #[derive(Clone, Debug)]
 pub struct BeltMesh {
-    /// Whether element borders follow the arc borders. If not, all elements lie on one segment, the whole curve.
+    /// Whether element borders follow the arc borders. If not, all elements lie on one segment, the
+    /// whole curve.
     pub aligned: bool,
     /// Ring elements, from ξ = 0 on.
     pub elements: Vec<Element>,

@@ -1,9 +1,11 @@
-//! Indices of the unknowns. The unknowns are velocities and first-order states; positions follow from q̇ = y.
+//! Indices of the unknowns. The unknowns are velocities and first-order states; positions follow
+//! from q̇ = y.
 //!
-//! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y, in space a_z, b_z), then for each cell
-//! the speed V of its left face, the content N of elements of the cell before, and (`ALE0`) the ring tension T at its left
-//! face. The border holds what all cells share: ṡ, Θ̇, then for both pulleys, the secondary first, ż, ψ_x and ψ_y, ω, last the
-//! multipliers of the gauge conditions or (`ALE0`) the coordinates of displaced centres.
+//! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y, in space a_z, b_z),
+//! then for each cell the speed V of its left face, the content N of elements of the cell before,
+//! and (`ALE0`) the ring tension T at its left face. The border holds what all cells share: ṡ, Θ̇,
+//! then for both pulleys, the secondary first, ż, ψ_x and ψ_y, ω, last the multipliers of the gauge
+//! conditions or (`ALE0`) the coordinates of displaced centres.
 
 use crate::pulley::Pulley;
 use crate::reference_curve::COORDINATES;
@@ -25,14 +27,15 @@ pub struct Layout {
     pub elements: usize,
     /// Cells in an element.
     pub cells_per_element: usize,
-    /// Number of nodes with unknowns; 0 if the ring follows the reference curve and its tension at each face is an unknown.
+    /// Number of nodes with unknowns; 0 if the ring follows the reference curve and its tension at
+    /// each face is an unknown.
     pub nodes: usize,
     /// Unknowns of a node, and of the ring element after it.
     pub per_node: usize,
     /// Bit mask of the unknowns of a node that are lengths; the others are angles or slopes.
     pub lengths: u32,
-    /// Components of the deflection from the reference curve at each node, 2 or 3: the unknowns of a node are value and slope of
-    /// each component in turn. 0 for other rings.
+    /// Components of the deflection from the reference curve at each node, 2 or 3: the unknowns of
+    /// a node are value and slope of each component in turn. 0 for other rings.
     pub components: usize,
     /// Index of the first node, and distance to the next one.
     pub node_at: [usize; 2],
@@ -45,7 +48,8 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// With a ring that deflects at each node of the mesh in 2 or 3 `components` (`ALE`), or follows the reference curve (`ALE0`): 0.
+    /// With a ring that deflects at each node of the mesh in 2 or 3 `components` (`ALE`), or
+    /// follows the reference curve (`ALE0`): 0.
     #[must_use]
     pub fn deflecting(components: usize, mesh: &BeltMesh) -> Self {
         let (elements, cells_per_element) = (mesh.elements.len(), mesh.cells_per_element);
@@ -80,8 +84,8 @@ impl Layout {
         self.components == 3
     }
 
-    /// Whether the ring tension is an unknown (`ALE0`). With any other ring s and Θ duplicate motions of its nodes, so that gauge
-    /// conditions with multipliers are needed.
+    /// Whether the ring tension is an unknown (`ALE0`). With any other ring s and Θ duplicate
+    /// motions of its nodes, so that gauge conditions with multipliers are needed.
     #[must_use]
     pub fn has_tension(&self) -> bool {
         self.nodes == 0
@@ -100,14 +104,16 @@ impl Layout {
         self.elements * self.cells_per_element
     }
 
-    /// Index of unknown `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; other ring models have other unknowns.
+    /// Index of unknown `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; other ring
+    /// models have other unknowns.
     #[must_use]
     pub fn node(&self, node: usize, k: usize) -> usize {
         let [first, next] = self.node_at;
         first + node % self.nodes.max(1) * next + k
     }
 
-    /// Indices of all unknowns of the nodes, and whether each is a length; else it is an angle or a slope.
+    /// Indices of all unknowns of the nodes, and whether each is a length; else it is an angle or a
+    /// slope.
     pub fn node_unknowns(&self) -> impl Iterator<Item = (usize, bool)> + use<> {
         let layout = *self;
         let each = (0..layout.nodes).flat_map(move |node| (0..layout.per_node).map(move |k| (node, k)));
@@ -122,9 +128,9 @@ impl Layout {
         first + cell / self.cells_per_element * next_element + cell % self.cells_per_element * next
     }
 
-    /// Index of the content N of `cell`. It belongs to the block of the next cell, so that the flow into a cell from either
-    /// side depends on nodes of neighbouring blocks only. With one cell per element this holds for one direction of
-    /// flow only.
+    /// Index of the content N of `cell`. It belongs to the block of the next cell, so that the flow
+    /// into a cell from either side depends on nodes of neighbouring blocks only. With one cell per
+    /// element this holds for one direction of flow only.
     #[must_use]
     pub fn content(&self, cell: usize) -> usize {
         self.belt_speed(cell + usize::from(self.content_beside_next)) + 1
@@ -172,7 +178,8 @@ impl Layout {
         self.globals().end + condition
     }
 
-    /// Index of the rate of a coordinate of displaced centres (`ALE0`): spread, turn, shift along x and y, growth.
+    /// Index of the rate of a coordinate of displaced centres (`ALE0`): spread, turn, shift along x
+    /// and y, growth.
     #[must_use]
     pub fn centre(&self, k: usize) -> usize {
         self.globals().end + k
@@ -189,7 +196,8 @@ impl Layout {
         self.centre(0)..end
     }
 
-    /// Indices of the global unknowns common to all rings: no gauge multipliers, no displaced centres.
+    /// Indices of the global unknowns common to all rings: no gauge multipliers, no displaced
+    /// centres.
     #[must_use]
     pub fn globals(&self) -> Range<usize> {
         self.drift()..self.drift() + GLOBALS

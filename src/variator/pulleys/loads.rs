@@ -12,8 +12,8 @@ pub enum SheaveMode {
     Force(f64),
     /// The sheave stands still.
     Held,
-    /// A spring holds Θ near `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ). The steady solver
-    /// moves `force` to the reaction.
+    /// A spring holds Θ near `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta`
+    /// − Θ). The steady solver moves `force` to the reaction.
     Ratio {
         /// Set point of Θ.
         theta: f64,
@@ -22,17 +22,20 @@ pub enum SheaveMode {
     },
 }
 
-/// Factor on the inertias of the pulleys in a steady solution, so that their speeds follow the belt: a tenth more work without, and one start in
-/// a hundred is not found. Half: -4, -2 % of the Jacobians and residuals of forty random starts; twice: 0, 0.
+/// Factor on the inertias of the pulleys in a steady solution, so that their speeds follow the
+/// belt: a tenth more work without, and one start in a hundred is not found. Half: -4, -2 % of the
+/// Jacobians and residuals of forty random starts; twice: 0, 0.
 pub(crate) const PSEUDO_INERTIA: f64 = 40.0;
 
-/// Time in which the reaction force of a steady solution is corrected, and in which the sheaves tilt there, s. A soft sheave that tilts in its own
-/// milliseconds rings against the spring that holds Θ: of 126 starts with soft sheaves 14 are not found, with this time 8, with twice 2. But twice
-/// takes five times the work where a torque is far beyond capacity, and ten times loses states at small forces on coarse meshes.
+/// Time in which the reaction force of a steady solution is corrected, and in which the sheaves
+/// tilt there, s. A soft sheave that tilts in its own milliseconds rings against the spring that
+/// holds Θ: of 126 starts with soft sheaves 14 are not found, with this time 8, with twice 2. But
+/// twice takes five times the work where a torque is far beyond capacity, and ten times loses
+/// states at small forces on coarse meshes.
 pub(crate) const FORCE_TIME: f64 = 0.02;
 
-/// Stiffness of the spring that holds the ratio of a steady solution, N per unit of Θ: a clamping force of 20 kN moves Θ by
-/// no more than 1e-3. Half: 0, +2; twice: -1, 0.
+/// Stiffness of the spring that holds the ratio of a steady solution, N per unit of Θ: a clamping
+/// force of 20 kN moves Θ by no more than 1e-3. Half: 0, +2; twice: -1, 0.
 pub const RATIO_STIFFNESS: f64 = 2.0e7;
 
 /// Condition that determines a pulley's speed.
@@ -44,7 +47,8 @@ pub enum ShaftMode {
     Setpoint(f64),
     /// The speed stays constant.
     Fixed,
-    /// Secondary only: both speeds change in proportion, ω̇_S/ω_S = ω̇_P/ω_P, under the two external torques, N·m.
+    /// Secondary only: both speeds change in proportion, ω̇_S/ω_S = ω̇_P/ω_P, under the two
+    /// external torques, N·m.
     Balanced {
         /// At the secondary shaft.
         own: f64,
@@ -84,7 +88,8 @@ impl Boundary {
     }
 }
 
-/// Shortest time in which inputs change, s: rates over less are rounding errors. Nor does a run advance by less.
+/// Shortest time in which inputs change, s: rates over less are rounding errors. Nor does a run
+/// advance by less.
 pub(crate) const SHORTEST_STEP: f64 = 1.0e-9;
 
 /// Inputs as functions of time, in proportion to it before and after one kink: the end of a ramp.
@@ -108,8 +113,9 @@ impl InputProfile {
         }
     }
 
-    /// Inputs that go from `present` to those given over `time`, s: no longer than the step from `from` to `to`, and none below a nanosecond; a
-    /// negative time stands for all of it. An input that has a rate starts at its value and changes at that rate.
+    /// Inputs that go from `present` to those given over `time`, s: no longer than the step from
+    /// `from` to `to`, and none below a nanosecond; a negative time stands for all of it. An input
+    /// that has a rate starts at its value and changes at that rate.
     pub fn new(time: f64, [from, to]: [f64; 2], present: &Inputs, given: &Inputs, rates: &Inputs) -> Self {
         let whole = time < 0.0 || time >= to - from - SHORTEST_STEP;
         let jumps = time < SHORTEST_STEP;
@@ -135,8 +141,8 @@ impl InputProfile {
         }
     }
 
-    /// The same from now on, but for the inputs that have changed from `before` to `given`: these have their new values at once, and no
-    /// rate.
+    /// The same from now on, but for the inputs that have changed from `before` to `given`: these
+    /// have their new values at once, and no rate.
     pub(crate) fn change(&mut self, before: &Inputs, given: &Inputs) {
         let (before, given) = (before.values(), given.values());
         for k in (0..given.len()).filter(|&k| before[k] != given[k]) {
@@ -147,7 +153,8 @@ impl InputProfile {
         }
     }
 
-    /// Inputs at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never pulled.
+    /// Inputs at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never
+    /// pulled.
     pub fn evaluate(&self, time: f64) -> Inputs {
         let rates = &self.rates[usize::from(time >= self.kink)];
         let mut inputs = self.inputs.after(time - self.kink, rates);
@@ -175,8 +182,8 @@ impl InputProfile {
 pub enum Loads {
     /// Inputs of a run.
     Inputs(InputProfile),
-    /// The same conditions at all times, of a steady solution: inertias of the pulleys are `PSEUDO_INERTIA` times as large, and sheaves tilt in
-    /// `FORCE_TIME`.
+    /// The same conditions at all times, of a steady solution: inertias of the pulleys are
+    /// `PSEUDO_INERTIA` times as large, and sheaves tilt in `FORCE_TIME`.
     Steady(Boundary),
 }
 
@@ -240,7 +247,8 @@ pub(crate) mod tests {
         inputs
     }
 
-    /// Time of a ramp, s, and rate; end of the ramp, s; torques at the start, 5 ms later and at the end, N·m.
+    /// Time of a ramp, s, and rate; end of the ramp, s; torques at the start, 5 ms later and at the
+    /// end, N·m.
     #[test]
     fn an_input_jumps_ramps_or_follows_its_rate() {
         for (time, rate, kink, torques) in [

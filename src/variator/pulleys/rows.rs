@@ -1,9 +1,10 @@
 //! Equations of motion of the pulleys:
 //!
-//! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1; F of clamp and [cylinder](crate::cylinder),
+//! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1; F of clamp
+//!   and [cylinder](crate::cylinder),
 //! - tilt of one sheave: (M/a)(ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ), see [`tilt`](crate::tilt),
-//! - rotation: J ω̇ = T + belt torque − T_d, or τ_ω ω̇ = ω_set − ω in speed drive; T_d is the [drag](crate::shaft) of the
-//!   shaft.
+//! - rotation: J ω̇ = T + belt torque − T_d, or τ_ω ω̇ = ω_set − ω in speed drive; T_d is the
+//!   [drag](crate::shaft) of the shaft.
 
 use crate::pulley::{PerPulley, Pulley, StopForce, Travel};
 use crate::scalar::{Real, Tangent};
@@ -111,8 +112,8 @@ impl<'a> Pulleys<'a> {
         self.stop(pulley, view).force
     }
 
-    /// Force of clamp and pressure under which a sheave stands still, N: the belt's `axial` force on it, less those of an
-    /// end stop, of spring and rotating oil.
+    /// Force of clamp and pressure under which a sheave stands still, N: the belt's `axial` force
+    /// on it, less those of an end stop, of spring and rotating oil.
     pub fn holding_force(&self, pulley: Pulley, view: View<'_>, axial: f64) -> f64 {
         axial - self.stop(pulley, view).force - self.passive_force(pulley, view)
     }
@@ -137,8 +138,9 @@ impl<'a> Pulleys<'a> {
         self.parameters.seal_friction(pulley, z_dot) * z_dot
     }
 
-    /// Adds to the rates `y_dot` the jumps that follow from a jump of the loads from `before` to `after`: loads act on the
-    /// pulleys' own inertia alone. The integrator's error estimate needs them.
+    /// Adds to the rates `y_dot` the jumps that follow from a jump of the loads from `before` to
+    /// `after`: loads act on the pulleys' own inertia alone. The integrator's error estimate needs
+    /// them.
     pub fn jump(&self, before: &Boundary, after: &Boundary, y_dot: &mut [f64]) {
         for pulley in Pulley::BOTH {
             let of = self.parameters.pulley(pulley);
@@ -158,8 +160,8 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// J_S ω_S/(J_P ω_P): ratio of the secondary's unbalanced torque to the primary's at which both speeds change in
-    /// proportion.
+    /// J_S ω_S/(J_P ω_P): ratio of the secondary's unbalanced torque to the primary's at which both
+    /// speeds change in proportion.
     fn balanced_factor(&self, view: View<'_>) -> f64 {
         let [secondary, primary] =
             Pulley::BOTH.map(|j| self.parameters.pulley(j).inertia * self.speed(j, view));
@@ -174,7 +176,8 @@ impl<'a> Pulleys<'a> {
             .loads(self.speed(pulley, view), resultant)
     }
 
-    /// Drag torques of the shafts, N·m, where the contact forces on the belt have these resultants, N.
+    /// Drag torques of the shafts, N·m, where the contact forces on the belt have these resultants,
+    /// N.
     pub fn drag_torques(&self, view: View<'_>, resultants: PerPulley<[f64; 2]>) -> PerPulley<f64> {
         PerPulley::from_fn(|pulley| self.drag(pulley, view, resultants[pulley]).torque)
     }
@@ -205,8 +208,8 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Equation of motion of a sheave that is not held, under the force `axial` of the belt, N. `motion` is its position, speed and
-    /// acceleration, the speed of its shaft, and Θ.
+    /// Equation of motion of a sheave that is not held, under the force `axial` of the belt, N.
+    /// `motion` is its position, speed and acceleration, the speed of its shaft, and Θ.
     fn sheave_row<T: Real>(
         &self,
         pulley: Pulley,
@@ -228,7 +231,8 @@ impl<'a> Pulleys<'a> {
         Some(z_ddot * of.sheave_mass + z_dot * of.sheave_damping - (force + cylinder) + axial - stop)
     }
 
-    /// Unknowns that the row of a sheave has beside the belt's loads, and the arguments of [`sheave_row`](Self::sheave_row).
+    /// Unknowns that the row of a sheave has beside the belt's loads, and the arguments of
+    /// [`sheave_row`](Self::sheave_row).
     fn sheave_motion(&self, pulley: Pulley, view: View<'_>) -> ([usize; 3], [f64; 5]) {
         let layout = self.layout();
         let [z, omega, theta] = [layout.sheave(pulley), layout.shaft_speed(pulley), layout.theta()];
@@ -274,8 +278,9 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Adds the derivatives of the pulleys' rows, with the factors α of ẏ and β of q. `out` already has the derivatives of the
-    /// belt's loads; those of the resultants of its contact forces are beside the loads.
+    /// Adds the derivatives of the pulleys' rows, with the factors α of ẏ and β of q. `out` already
+    /// has the derivatives of the belt's loads; those of the resultants of its contact forces are
+    /// beside the loads.
     pub(crate) fn jacobian(
         &self,
         boundary: &Boundary,
@@ -368,8 +373,8 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Derivatives of the row of a secondary shaft that is balanced against the primary one; `unbalanced` is the total torque
-    /// on the latter, N·m.
+    /// Derivatives of the row of a secondary shaft that is balanced against the primary one;
+    /// `unbalanced` is the total torque on the latter, N·m.
     fn balance_secondary(&self, unbalanced: f64, view: View<'_>, out: &mut Arrow) {
         let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout().shaft_speed(pulley));
         out.add_row(s, p, -self.balanced_factor(view));
@@ -380,7 +385,8 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Losses of the pulleys: sheave damper, tilt relaxation, end stops, W. Drag of shafts and seals is not in it.
+    /// Losses of the pulleys: sheave damper, tilt relaxation, end stops, W. Drag of shafts and
+    /// seals is not in it.
     pub fn losses(&self, view: View<'_>) -> f64 {
         let mut loss = 0.0;
         for pulley in Pulley::BOTH {
@@ -395,8 +401,9 @@ impl<'a> Pulleys<'a> {
         loss
     }
 
-    /// Loss of the tilt relaxation in a step of length `h`, s, beyond the trapezoidal rule, J: a sheave takes up its clearance
-    /// within a step. The work of the moment follows from the change of the tilt; the part that is not stored is lost.
+    /// Loss of the tilt relaxation in a step of length `h`, s, beyond the trapezoidal rule, J: a
+    /// sheave takes up its clearance within a step. The work of the moment follows from the change
+    /// of the tilt; the part that is not stored is lost.
     pub fn tilt_loss_beyond_trapezoid(
         &self,
         pulley: Pulley,
@@ -438,7 +445,8 @@ impl<'a> Pulleys<'a> {
         energy
     }
 
-    /// External torque at a shaft, N·m, without the torque that accelerates it towards a set point; `torque` is that of belt and drag.
+    /// External torque at a shaft, N·m, without the torque that accelerates it towards a set point;
+    /// `torque` is that of belt and drag.
     fn torque_supplied(mode: ShaftMode, torque: f64) -> f64 {
         match mode {
             ShaftMode::Torque(external) | ShaftMode::Balanced { own: external, .. } => external,
@@ -446,7 +454,8 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Loads from outside. `torques` are those of belt and drag on the shafts, N·m, and `axial` the belt's forces on the sheaves, N.
+    /// Loads from outside. `torques` are those of belt and drag on the shafts, N·m, and `axial` the
+    /// belt's forces on the sheaves, N.
     pub fn external(
         &self,
         boundary: &Boundary,
@@ -473,8 +482,8 @@ impl<'a> Pulleys<'a> {
         })
     }
 
-    /// Power supplied at the shafts, W, without the power that accelerates a pulley in speed drive; `torques` are those of
-    /// belt and drag.
+    /// Power supplied at the shafts, W, without the power that accelerates a pulley in speed drive;
+    /// `torques` are those of belt and drag.
     pub fn shaft_power(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> f64 {
         let power = |j| Self::torque_supplied(boundary.shaft[j], torques[j]) * self.speed(j, view);
         Pulley::BOTH.map(power).iter().sum()

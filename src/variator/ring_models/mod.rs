@@ -1,14 +1,18 @@
-//! The interface between a variator and its ring: [`BeltRing`], and the parts of a user-defined ring model.
+//! The interface between a variator and its ring: [`BeltRing`], and the parts of a user-defined
+//! ring model.
 //!
-//! [`Variator::with_ring`](crate::variator::Variator::with_ring) accepts any ring. A ring on an Eulerian mesh has three
-//! parts:
+//! [`Variator::with_ring`](crate::variator::Variator::with_ring) accepts any ring. A ring on an
+//! Eulerian mesh has three parts:
 //!
-//! 1. [`EulerianRing`] is the ring inside one cell, generic over the scalar. It may wrap [`Deflecting`], the ring of `ALE`.
-//! 2. [`RingKind`] constructs it from the unknowns of the cell, as numbered by [`Degrees`]. A value of it holds
-//!    parameters.
-//! 3. [`BeltRing`] is the ring of a whole belt. [`eulerian_equations`] evaluates and differentiates the cells.
+//! 1. [`EulerianRing`] is the ring inside one cell, generic over the scalar. It may wrap
+//!    [`Deflecting`], the ring of `ALE`.
+//! 2. [`RingKind`] constructs it from the unknowns of the cell, as numbered by [`Degrees`]. A value
+//!    of it holds parameters.
+//! 3. [`BeltRing`] is the ring of a whole belt. [`eulerian_equations`] evaluates and differentiates
+//!    the cells.
 //!
-//! Other rings implement [`Assembly`] and call [`balance`] for elements, flanks and friction of a cell.
+//! Other rings implement [`Assembly`] and call [`balance`] for elements, flanks and friction of a
+//! cell.
 //!
 //! `examples/own_ring.rs` is a ring model in one file.
 

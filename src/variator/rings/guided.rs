@@ -1,12 +1,14 @@
 //! `ALE0`: the ring follows the reference curve, whose arcs have free centres.
 //!
-//! The curve has six coordinates p: Θ, spread, turn and shift of the centres, and growth δ ([`TwoPulley`]). The virtual motion of a
-//! mesh point with p, ∂r/∂p|_η − ∂ξ/∂p|_η r', projects loads on p. The curve holds derivatives along the motion in place of
-//! those with respect to Θ, so its Θ̇ is one.
+//! The curve has six coordinates p: Θ, spread, turn and shift of the centres, and growth δ
+//! ([`TwoPulley`]). The virtual motion of a mesh point with p, ∂r/∂p|_η − ∂ξ/∂p|_η r', projects
+//! loads on p. The curve holds derivatives along the motion in place of those with respect to Θ, so
+//! its Θ̇ is one.
 //!
-//! The ring stretches as a whole, by γ = 2πδ/L with the energy ½ EA γ² L. The tension varies along it by friction. Its mean over the
-//! arcs, by angle, is EA (γ + η γ̇); the balance of the forces across, ∮(f·n − Tκ) dξ = 0, is the conjugate of δ, so the power of the
-//! stack on the growing loop is balanced.
+//! The ring stretches as a whole, by γ = 2πδ/L with the energy ½ EA γ² L. The tension varies along
+//! it by friction. Its mean over the arcs, by angle, is EA (γ + η γ̇); the balance of the forces
+//! across, ∮(f·n − Tκ) dξ = 0, is the conjugate of δ, so the power of the stack on the growing loop
+//! is balanced.
 //!
 //! [`TwoPulley`]: crate::reference_curve::TwoPulley
 
@@ -70,7 +72,8 @@ impl<T: Real> GuidedSum<T> {
 }
 
 impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
-    /// The ring `at` a place with this motion and the tensions at the two faces, N. `curve` is frame and segment.
+    /// The ring `at` a place with this motion and the tensions at the two faces, N. `curve` is
+    /// frame and segment.
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,
@@ -98,8 +101,8 @@ impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
         strain.v * self.ring.axial_stiffness + strain.d * self.ring.viscosity()
     }
 
-    /// Adds the loads at a station; `own` is the derivative of the ring's own energy with respect to a coordinate of
-    /// the shape, N.
+    /// Adds the loads at a station; `own` is the derivative of the ring's own energy with respect
+    /// to a coordinate of the shape, N.
     #[inline(always)]
     fn add(
         &self,

@@ -27,8 +27,8 @@ pub trait CellRing<T: Real, const D: usize = 2> {
     /// The ring at a point where the reference curve is `reference`.
     fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T, D>;
 
-    /// Adds the ring's own forces, inertia included; returns its tension, N. A ring that assembles these on elements of
-    /// its own adds nothing.
+    /// Adds the ring's own forces, inertia included; returns its tension, N. A ring that assembles
+    /// these on elements of its own adds nothing.
     fn own_load(&self, at: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T;
 
     /// Applies the loads at a station.
@@ -44,8 +44,8 @@ pub trait EulerianRing<T: Real, const D: usize = 2>: CellRing<T, D> {
     fn forces(&self) -> RingForces<T, D>;
 }
 
-/// A ring with analytic derivatives in the directions that do not change the reference curve: its own unknowns and the
-/// drift.
+/// A ring with analytic derivatives in the directions that do not change the reference curve: its
+/// own unknowns and the drift.
 pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
     /// Sums of varied loads.
     type Sum;
@@ -53,11 +53,12 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
     /// Whether the ring moves with its own unknowns.
     const MOVES: bool;
 
-    /// Variation of the ring at a point with its own unknown `own`; `factors` are those of acceleration and position.
+    /// Variation of the ring at a point with its own unknown `own`; `factors` are those of
+    /// acceleration and position.
     fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: [f64; 2]) -> RingVariation<T, D>;
 
-    /// Adds the variation of [`CellRing::own_load`]; returns that of the tension. `own` is the ring's unknown that
-    /// varies, if any.
+    /// Adds the variation of [`CellRing::own_load`]; returns that of the tension. `own` is the
+    /// ring's unknown that varies, if any.
     fn vary_own_load(
         &self,
         at: usize,
@@ -80,7 +81,8 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
         station_load: &StationLoad<T, D>,
     );
 
-    /// Variation of the generalised forces. If the ring moves, the loads of the cell must have been applied to it before.
+    /// Variation of the generalised forces. If the ring moves, the loads of the cell must have been
+    /// applied to it before.
     fn varied_forces(&self, sum: &Self::Sum, own: Option<usize>, beta: f64) -> RingForces<T, D>;
 }
 
@@ -95,6 +97,7 @@ pub struct RingForces<T: Real, const D: usize = 2> {
     pub drift: T,
     /// Conjugate of Θ, N·m.
     pub theta: T,
-    /// Rows of the other coordinates of the curve (`ALE0`): spread, N, turn, N·m, shift, N, growth, N.
+    /// Rows of the other coordinates of the curve (`ALE0`): spread, N, turn, N·m, shift, N, growth,
+    /// N.
     pub centres: [T; COORDINATES - 1],
 }

@@ -1,5 +1,6 @@
-//! A communication step in own steps: a master can read outputs at the end of each, change inputs there or end the communication step.
-//! Left alone, it is [`Variator::advance_along`] to the last bit.
+//! A communication step in own steps: a master can read outputs at the end of each, change inputs
+//! there or end the communication step. Left alone, it is [`Variator::advance_along`] to the last
+//! bit.
 
 use crate::pulley::Pulley;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
@@ -20,11 +21,13 @@ impl Variator {
         self.advance_along(to, inputs, &Inputs::ZERO)
     }
 
-    /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the time derivatives
-    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call.
+    /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the
+    /// time derivatives `rates`. A clamping force that falls ends at zero. Less than a nanosecond
+    /// is left to the next call.
     ///
     /// # Errors
-    /// A time before the present one or out of its range, an input out of its range, a rate that is not finite, or a step that can't be done. The variator is then in the state of before.
+    /// A time before the present one or out of its range, an input out of its range, a rate that is
+    /// not finite, or a step that can't be done. The variator is then in the state of before.
     pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         let mut step = CommunicationStep::begin(self, to, inputs, rates)?;
         while !step.is_over() {
@@ -45,11 +48,12 @@ fn left_out(time: f64) -> String {
 }
 
 impl CommunicationStep {
-    /// Begins a communication step to time `to` as [`Variator::advance_along`] does it: [`CommunicationStep::advance`] until it
-    /// is over, then [`CommunicationStep::finish`].
+    /// Begins a communication step to time `to` as [`Variator::advance_along`] does it:
+    /// [`CommunicationStep::advance`] until it is over, then [`CommunicationStep::finish`].
     ///
     /// # Errors
-    /// A time before the present one or out of its range, an input out of its range, or a rate that is not finite.
+    /// A time before the present one or out of its range, an input out of its range, or a rate that
+    /// is not finite.
     pub fn begin(
         variator: &mut Variator,
         to: f64,
@@ -72,7 +76,8 @@ impl CommunicationStep {
         self.is_over
     }
 
-    /// One own step of a communication step that is not over. After an error the variator is in the state of before.
+    /// One own step of a communication step that is not over. After an error the variator is in the
+    /// state of before.
     pub fn advance(&mut self, variator: &mut Variator) -> Result<(), StepError> {
         variator.stale = true;
         let outcome = variator.stepper.step(&mut variator.simulation, self);
@@ -88,8 +93,8 @@ impl CommunicationStep {
         self.count_work(variator);
     }
 
-    /// Changes inputs of a communication step that is not over: those that differ from what was given before count at once. None if one is
-    /// out of its range.
+    /// Changes inputs of a communication step that is not over: those that differ from what was
+    /// given before count at once. None if one is out of its range.
     pub fn set_inputs(&mut self, inputs: &Inputs) -> Result<(), StepError> {
         if *inputs == self.given {
             return Ok(());
@@ -101,7 +106,8 @@ impl CommunicationStep {
         Ok(())
     }
 
-    /// Moves its end to a time, s, or to where it is if that is past. It never becomes longer, nor does it change where that is not a number.
+    /// Moves its end to a time, s, or to where it is if that is past. It never becomes longer, nor
+    /// does it change where that is not a number.
     pub fn end_at(&mut self, variator: &Variator, time: f64) {
         if time.is_nan() || time >= self.to {
             return;

@@ -50,8 +50,8 @@ pub enum InitialisationError {
     NoState(String),
 }
 
-/// Why a communication step could not be done. The variator is in the state of before: a shorter step, or one with other inputs, may be
-/// possible.
+/// Why a communication step could not be done. The variator is in the state of before: a shorter
+/// step, or one with other inputs, may be possible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// An input is out of its range; nothing was changed.

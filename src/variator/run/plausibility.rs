@@ -1,5 +1,5 @@
-//! What a run warns of by itself: parameters, loads and speeds that can hardly be meant, each once in a run, slip at its start, strands
-//! that would buckle.
+//! What a run warns of by itself: parameters, loads and speeds that can hardly be meant, each once
+//! in a run, slip at its start, strands that would buckle.
 
 use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};

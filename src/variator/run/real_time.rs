@@ -1,7 +1,9 @@
-//! Real time: the accurate integrator with a bound on the work of each millisecond ([`REAL_TIME`]), in short steps of one length.
+//! Real time: the accurate integrator with a bound on the work of each millisecond ([`REAL_TIME`]),
+//! in short steps of one length.
 //!
-//! A step for which the work does not last stays open and continues in the next millisecond: the run is then behind the clock, and its
-//! inputs wait. Work that is not needed makes up for it later. A step that has no solution is begun again with half the length.
+//! A step for which the work does not last stays open and continues in the next millisecond: the
+//! run is then behind the clock, and its inputs wait. Work that is not needed makes up for it
+//! later. A step that has no solution is begun again with half the length.
 
 use crate::archive::Archive;
 use crate::solver::newton::{Unsolved, WorkBound};
@@ -51,7 +53,8 @@ impl RealTime {
         }
     }
 
-    /// Advances the clock by a millisecond, or by a part of one of those up to a time, s, and the state as far as the work lasts.
+    /// Advances the clock by a millisecond, or by a part of one of those up to a time, s, and the
+    /// state as far as the work lasts.
     pub fn advance(
         &mut self,
         sdirk: &mut Sdirk,
@@ -83,7 +86,8 @@ impl RealTime {
         while self.behind(clock) > SHORTEST_STEP && self.step(sdirk, simulation, clock) {}
         let skipped = self.behind(clock) - REAL_TIME.behind;
         if skipped > 0.0 {
-            // An open step moves in time with its inputs: it continues. Those that wait are then constant.
+            // An open step moves in time with its inputs: it continues. Those that wait are then
+            // constant.
             self.reached += skipped;
             self.skipped += skipped;
             self.inputs.kink += skipped;
@@ -119,8 +123,8 @@ impl RealTime {
         self.open.is_none()
     }
 
-    /// Brings the inputs of the next step into force: a straight line whose mean is theirs. Returns its length, s: steps until the clock's
-    /// time are alike.
+    /// Brings the inputs of the next step into force: a straight line whose mean is theirs. Returns
+    /// its length, s: steps until the clock's time are alike.
     fn begin_step(&mut self, simulation: &mut Simulation, clock: f64) -> f64 {
         let rest = self.behind(clock);
         let count = (rest / (self.fraction * REAL_TIME.step) - SHORTEST_STEP)
@@ -148,8 +152,8 @@ impl RealTime {
     }
 }
 
-/// Inputs of one profile from `from` to `middle` and of another one until `to`, s: their mean, so no impulse is lost. The latter alone where
-/// nothing lies before it.
+/// Inputs of one profile from `from` to `middle` and of another one until `to`, s: their mean, so
+/// no impulse is lost. The latter alone where nothing lies before it.
 fn joined(first: &InputProfile, from: f64, middle: f64, second: &InputProfile, to: f64) -> InputProfile {
     if middle - from <= SHORTEST_STEP {
         return *second;
@@ -178,7 +182,8 @@ fn mean(profile: &InputProfile, [from, to]: [f64; 2]) -> Inputs {
     part(kink, to, part(from, kink, Inputs::ZERO))
 }
 
-/// The straight line from the inputs at one time to those at another, s, moved so that its mean is theirs.
+/// The straight line from the inputs at one time to those at another, s, moved so that its mean is
+/// theirs.
 fn line(profile: &InputProfile, [from, to]: [f64; 2]) -> InputProfile {
     let length = to - from;
     let rates = Inputs::ZERO
@@ -198,7 +203,8 @@ mod tests {
     use crate::variator::pulleys::loads::tests::torque;
     use crate::variator::settings::parameters::{Mode, Parameters};
 
-    /// A ramp to 50 N·m over a quarter of the first millisecond, and one on to -50 N·m: the impulse of the steps is that of both.
+    /// A ramp to 50 N·m over a quarter of the first millisecond, and one on to -50 N·m: the impulse
+    /// of the steps is that of both.
     #[test]
     fn no_impulse_is_lost() {
         let ramp = |from: f64, present: f64, given: f64| {
@@ -219,7 +225,8 @@ mod tests {
         assert_eq!(joined(&first, 1e-3, 1e-3, &second, 2e-3), second);
     }
 
-    /// Far too little work for a torque that flips: time is left out, and an open step moves with its inputs.
+    /// Far too little work for a torque that flips: time is left out, and an open step moves with
+    /// its inputs.
     #[test]
     fn an_open_step_moves_with_its_inputs() {
         let mut parameters = Parameters::default();

@@ -1,5 +1,5 @@
-//! Whether a run keeps up with the clock, judged by its work, and which input holds it up. Work is counted and not timed: what a run logs
-//! is a function of its inputs.
+//! Whether a run keeps up with the clock, judged by its work, and which input holds it up. Work is
+//! counted and not timed: what a run logs is a function of its inputs.
 
 use crate::archive::Archive;
 use crate::solver::newton::Counts;
@@ -26,8 +26,9 @@ impl RealTimeMonitor {
         }
     }
 
-    /// Counts a communication step of `simulated` seconds under the inputs `given`, with its work on so many unknowns. Returns a remark
-    /// after each second of simulation for which that was too much.
+    /// Counts a communication step of `simulated` seconds under the inputs `given`, with its work
+    /// on so many unknowns. Returns a remark after each second of simulation for which that was too
+    /// much.
     pub fn count(&mut self, given: &Inputs, simulated: f64, work: Counts, unknowns: usize) -> Option<String> {
         let values = given.values().into_iter().zip(self.given.values());
         for ((moved, (.., size)), (now, before)) in self.moved.iter_mut().zip(INPUTS).zip(values) {

@@ -25,8 +25,9 @@ pub(super) struct Simulation {
     pub state: State,
     /// s.
     pub time: f64,
-    /// Time of a start without load, s; −∞ if it was none. Sharp friction on a slack belt at a standstill makes one cell after the other
-    /// stick and slide by turns: half of the Jacobians of a launch went there. So the friction velocity is large at first and falls.
+    /// Time of a start without load, s; −∞ if it was none. Sharp friction on a slack belt at a
+    /// standstill makes one cell after the other stick and slide by turns: half of the Jacobians of
+    /// a launch went there. So the friction velocity is large at first and falls.
     pub soft_since: f64,
     /// Work of the search for the state to start from, and the inputs that were given for it.
     pub start_work: Counts,
@@ -86,7 +87,8 @@ impl Simulation {
         }
     }
 
-    /// Brings the friction velocity of the present time into force: in a ramp, that of the middle of the part that begins.
+    /// Brings the friction velocity of the present time into force: in a ramp, that of the middle
+    /// of the part that begins.
     fn regularise(&mut self) {
         let own = self.system.parameters.friction.velocity;
         let rest = 1.0 - (self.time - self.soft_since + 0.5 * self.friction_lasts()) / RAMP;
@@ -109,14 +111,16 @@ impl Simulation {
         self.system.forget_derivatives();
     }
 
-    /// Brings inputs into force, with the friction of the present time. The rates jump with the loads.
+    /// Brings inputs into force, with the friction of the present time. The rates jump with the
+    /// loads.
     pub fn apply(&mut self, inputs: InputProfile) {
         self.regularise();
         let loads = Loads::Inputs(inputs);
         self.system.change_loads(loads, self.time, &mut self.state.y_dot);
     }
 
-    /// The same where they were in force before at this state, or for outputs alone: the rates stay.
+    /// The same where they were in force before at this state, or for outputs alone: the rates
+    /// stay.
     pub fn restore(&mut self, inputs: InputProfile) {
         self.regularise();
         self.system.loads = Loads::Inputs(inputs);

@@ -1,4 +1,5 @@
-//! The state that a run starts from: unloaded or steady as the parameters choose, else the nearest that exists.
+//! The state that a run starts from: unloaded or steady as the parameters choose, else the nearest
+//! that exists.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::State;
@@ -19,8 +20,9 @@ use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
 
 impl Simulation {
-    /// Finds the state to start from at `time`, with sheaves at rest: steady or unloaded as the parameters choose, else the nearest that
-    /// exists, with a warning that gives it and the reason. Returns what it is.
+    /// Finds the state to start from at `time`, with sheaves at rest: steady or unloaded as the
+    /// parameters choose, else the nearest that exists, with a warning that gives it and the
+    /// reason. Returns what it is.
     pub fn find_start(&mut self, time: f64, inputs: &Inputs) -> Result<StartState, InitialisationError> {
         (self.start_work, self.time, self.given) = (Counts::default(), time, *inputs);
         self.other_start = None;
@@ -40,15 +42,16 @@ impl Simulation {
                 self.log(true, format!("the belt was not clamped before the start: {why}"));
             }
         }
-        // A belt that was clamped moves them by a tenth of a millimetre a second, and flows that depend on no input close no loop.
+        // A belt that was clamped moves them by a tenth of a millimetre a second, and flows that
+        // depend on no input close no loop.
         for pulley in Pulley::BOTH {
             self.state.y[self.system.belt.layout.sheave(pulley)] = 0.0;
         }
         Ok(found)
     }
 
-    /// The kinematic state to start from. An initial ratio beyond an end stop is moved to the stop, and a set point of a shaft's speed
-    /// comes before `initial.primarySpeed`.
+    /// The kinematic state to start from. An initial ratio beyond an end stop is moved to the stop,
+    /// and a set point of a shaft's speed comes before `initial.primarySpeed`.
     fn start_point(&mut self) -> Start {
         let (parameters, inputs) = (&mut self.system.parameters, &self.given);
         let (given_ratio, given_speed) = (parameters.initial.ratio, parameters.initial.primary_speed);
@@ -123,7 +126,8 @@ impl Simulation {
         })
     }
 
-    /// Notes why the start is not the one that was asked for, what it is `instead`, and what `helps`.
+    /// Notes why the start is not the one that was asked for, what it is `instead`, and what
+    /// `helps`.
     pub fn start_from(&mut self, found: StartState, why: &str, instead: &str, helps: &str) -> StartState {
         let (of, inputs) = (&self.system.parameters, &self.given);
         let ratio = of.initial.ratio;
@@ -158,8 +162,8 @@ impl Simulation {
         Ok(self.start_from(StartState::NotFound, &why, "the belt without load", helps))
     }
 
-    /// Whether a start at a standstill may be that of a belt that crept: both pulleys stand still under clamping forces, and a sheave
-    /// is held or the torques drive the belt.
+    /// Whether a start at a standstill may be that of a belt that crept: both pulleys stand still
+    /// under clamping forces, and a sheave is held or the torques drive the belt.
     fn may_creep(&self, start: &Start) -> bool {
         let (p, inputs) = (&self.system.parameters, self.given);
         let stands =
@@ -170,9 +174,10 @@ impl Simulation {
         stands && self.is_clamped() && (p.holds_a_sheave() || driven)
     }
 
-    /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction leaves the forces of a belt at rest
-    /// open, so they are those of the motion before. None where a belt may not creep, none with a warning where there is no such state,
-    /// and none where both sheaves are under force and friction holds the torques: a belt that crept would roll back.
+    /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction leaves
+    /// the forces of a belt at rest open, so they are those of the motion before. None where a belt
+    /// may not creep, none with a warning where there is no such state, and none where both sheaves
+    /// are under force and friction holds the torques: a belt that crept would roll back.
     fn stop_creeping(&mut self, start: &Start) -> Result<Option<StartState>, InitialisationError> {
         if !self.may_creep(start) {
             return Ok(None);
@@ -234,8 +239,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Starts unloaded. At a standstill the belt has come to hang: from the kinematic state, whose elements all touch, the film between them
-    /// makes the first millisecond of a run take as many steps as seconds do.
+    /// Starts unloaded. At a standstill the belt has come to hang: from the kinematic state, whose
+    /// elements all touch, the film between them makes the first millisecond of a run take as many
+    /// steps as seconds do.
     fn start_slack(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.start_unloaded(start)?;
         if start.primary_speed.abs() <= STANDSTILL {
@@ -268,7 +274,8 @@ impl Simulation {
         Ok(found)
     }
 
-    /// Clamps an unloaded belt in the `span` before the start, s, without torques, which come with the run. After an error it is clamped in part.
+    /// Clamps an unloaded belt in the `span` before the start, s, without torques, which come with
+    /// the run. After an error it is clamped in part.
     fn clamp(&mut self, span: f64) -> Result<(), StepError> {
         let mut quiet = self.given;
         (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
@@ -285,10 +292,11 @@ impl Simulation {
             .all(|pulley| held(pulley) || clamping[pulley] >= NO_FORCE)
     }
 
-    /// Stops belt and shafts where they are, and holds the shafts while the clamping forces act. Places and the distribution of the
-    /// elements remain, and so do ring tension and push force. Friction depends on the sliding speed: it returns within microseconds.
-    /// Where both sheaves are under force, the clamping force replaces the one that held the ratio. Between held sheaves the belt loses
-    /// tension, 6 % in 10 ms, so it stands for a part of the ramp only.
+    /// Stops belt and shafts where they are, and holds the shafts while the clamping forces act.
+    /// Places and the distribution of the elements remain, and so do ring tension and push force.
+    /// Friction depends on the sliding speed: it returns within microseconds. Where both sheaves
+    /// are under force, the clamping force replaces the one that held the ratio. Between held
+    /// sheaves the belt loses tension, 6 % in 10 ms, so it stands for a part of the ramp only.
     fn bring_to_rest(&mut self) -> Result<(), StepError> {
         let belt = &self.system.belt;
         let shafts = Pulley::BOTH.map(|pulley| belt.layout.shaft_speed(pulley));
@@ -308,8 +316,8 @@ impl Simulation {
         })
     }
 
-    /// Advances a copy, changed, under constant inputs in the `span` before the start, s, and takes over its state, where possible.
-    /// Friction comes in softly.
+    /// Advances a copy, changed, under constant inputs in the `span` before the start, s, and takes
+    /// over its state, where possible. Friction comes in softly.
     fn relax(&mut self, span: f64, inputs: &Inputs, change: impl FnOnce(&mut Self)) -> Result<(), StepError> {
         let mut before = self.clone();
         before.time -= span;
@@ -338,7 +346,8 @@ impl Simulation {
     }
 }
 
-/// Speed of the primary pulley of the belt that creeps into a standstill, rad/s: forward unless the given speed is negative.
+/// Speed of the primary pulley of the belt that creeps into a standstill, rad/s: forward unless the
+/// given speed is negative.
 fn creep_speed(start: &Start) -> f64 {
     CREEP_SPEED.copysign(start.primary_speed)
 }

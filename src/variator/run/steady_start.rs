@@ -1,4 +1,5 @@
-//! The steady state that a run starts from: at the given torques, or at the largest fraction of them that has one.
+//! The steady state that a run starts from: at the given torques, or at the largest fraction of
+//! them that has one.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::NotSteady;
@@ -26,7 +27,8 @@ pub(super) enum NoSteadyState {
 }
 
 impl Simulation {
-    /// Solves for the steady state of the parameters, or for the nearest one; returns which it is, or why there is none.
+    /// Solves for the steady state of the parameters, or for the nearest one; returns which it is,
+    /// or why there is none.
     pub fn solve_steady(&mut self) -> Result<StartState, NoSteadyState> {
         let mut newton = Newton::new(&self.system);
         newton.bound = WorkBound {
@@ -119,7 +121,8 @@ impl Simulation {
         }
     }
 
-    /// First guess of the slip of a shaft whose speed is solved for: in proportion to the torques, in the direction of the power.
+    /// First guess of the slip of a shaft whose speed is solved for: in proportion to the torques,
+    /// in the direction of the power.
     fn guess_slip(&mut self, task: &SteadyTask, demand: TorqueDemand, fraction: f64) {
         let utilisation = (-fraction * demand.utilisation()).clamp(-1.0, 1.0);
         let slip = SLIP_AT_CAPACITY * self.primary_speed().signum() * utilisation;
@@ -130,8 +133,8 @@ impl Simulation {
         }
     }
 
-    /// Solves for the steady state at the given torques, or at nearly the largest fraction of them that has one: torque
-    /// beyond capacity has none, and isn't tried. The share.
+    /// Solves for the steady state at the given torques, or at nearly the largest fraction of them
+    /// that has one: torque beyond capacity has none, and isn't tried. The share.
     fn carry(
         &mut self,
         newton: &mut Newton,
@@ -191,7 +194,8 @@ impl Simulation {
         macro_slip(&self.system, self.state.view(), &self.sums(), false)
     }
 
-    /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
+    /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the
+    /// search starts from.
     fn balance_forces(&mut self, newton: &mut Newton, task: &SteadyTask, found: StartState) -> StartState {
         let Simulation { system, state, .. } = self;
         let range = system.parameters.ratio_range();

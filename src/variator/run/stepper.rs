@@ -1,4 +1,5 @@
-//! How a simulation is advanced within a communication step: in steps as the error control requires or, in real time, of bounded work.
+//! How a simulation is advanced within a communication step: in steps as the error control requires
+//! or, in real time, of bounded work.
 
 use crate::archive::Archive;
 use crate::pulley::PerPulley;
@@ -42,7 +43,8 @@ pub(super) struct Stepper {
 }
 
 impl Stepper {
-    /// From the state and time of a simulation, in its mode; where the error control chooses the steps, with this one first, s.
+    /// From the state and time of a simulation, in its mode; where the error control chooses the
+    /// steps, with this one first, s.
     pub fn new(simulation: &Simulation, first_step: f64) -> Self {
         let solver = &simulation.system.parameters.solver;
         let mut sdirk = Sdirk::new(&simulation.system, first_step, solver.max_step);
@@ -58,7 +60,8 @@ impl Stepper {
         }
     }
 
-    /// Begins a communication step to a time, s, with inputs that were given and come into force as `profile` says.
+    /// Begins a communication step to a time, s, with inputs that were given and come into force as
+    /// `profile` says.
     pub fn begin(
         &mut self,
         simulation: &Simulation,
@@ -146,8 +149,8 @@ impl Stepper {
         self.sdirk.newton.counts
     }
 
-    /// Writes to an archive, or reads from it, all that later steps depend on beside the simulation and the factored
-    /// Jacobian.
+    /// Writes to an archive, or reads from it, all that later steps depend on beside the simulation
+    /// and the factored Jacobian.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.sdirk.serialize(archive);
         if let Some(real_time) = &mut self.real_time {

@@ -21,8 +21,8 @@ use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, Sta
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 
-/// A variator: parameters, mesh and the whole dynamic state in one place. A clone is a snapshot that continues
-/// bit for bit as the original does.
+/// A variator: parameters, mesh and the whole dynamic state in one place. A clone is a snapshot
+/// that continues bit for bit as the original does.
 ///
 /// ```
 /// use pushbelt::variator::{Variator, settings::{Inputs, Parameters}};
@@ -52,7 +52,8 @@ pub struct Variator {
     profile_stale: bool,
 }
 
-/// Values as bytes, with room for those of a step of bounded work that is open. A copy has it too, so that its steps allocate nothing.
+/// Values as bytes, with room for those of a step of bounded work that is open. A copy has it too,
+/// so that its steps allocate nothing.
 #[derive(Debug, Default)]
 struct Saved(Vec<u8>);
 
@@ -65,7 +66,8 @@ impl Clone for Saved {
 }
 
 impl Variator {
-    /// A variator with these parameters and the ring of [`Parameters::ring_model`], not yet initialised.
+    /// A variator with these parameters and the ring of [`Parameters::ring_model`], not yet
+    /// initialised.
     ///
     /// # Errors
     /// The first parameter that is out of its range.
@@ -107,8 +109,8 @@ impl Variator {
         })
     }
 
-    /// Finds the state to start from at `time`. One that can't be solved for is replaced by the nearest one, with a warning that names it
-    /// and the reason.
+    /// Finds the state to start from at `time`. One that can't be solved for is replaced by the
+    /// nearest one, with a warning that names it and the reason.
     ///
     /// # Errors
     /// A time or an input that is out of its range, or no state found.
@@ -160,8 +162,9 @@ impl Variator {
         self.slipped = to;
     }
 
-    /// Outputs a moment before and after the present, and the time between them, s, for time derivatives: the state moves along y' = ẏ,
-    /// q' = y, and ẏ as it did between the stages of the last step. Allocates.
+    /// Outputs a moment before and after the present, and the time between them, s, for time
+    /// derivatives: the state moves along y' = ẏ, q' = y, and ẏ as it did between the stages of the
+    /// last step. Allocates.
     pub fn moment(&mut self) -> ([Box<Outputs>; 2], f64) {
         let present = self.outputs().clone();
         let of = &self.simulation;
@@ -183,8 +186,8 @@ impl Variator {
         (outputs, 2.0 * MOMENT)
     }
 
-    /// Writes to an archive, or reads from it, all that later steps and outputs depend on. To read, build a variator from the same
-    /// parameters.
+    /// Writes to an archive, or reads from it, all that later steps and outputs depend on. To read,
+    /// build a variator from the same parameters.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.serialize_values(archive);
         self.stepper.sdirk.newton.serialize_factors(archive);
@@ -194,7 +197,8 @@ impl Variator {
         }
     }
 
-    /// The same without the Jacobian that the solver reuses: what a run is, for stored states and steps that go back.
+    /// The same without the Jacobian that the solver reuses: what a run is, for stored states and
+    /// steps that go back.
     fn serialize_values(&mut self, archive: &mut Archive<'_>) {
         self.simulation.serialize(archive);
         self.stepper.serialize(archive);
@@ -234,14 +238,15 @@ impl Variator {
         self.saved.0 = archive.into_bytes();
     }
 
-    /// The same before the first step, with room for an open one: its stage and residual are as long again as all else.
+    /// The same before the first step, with room for an open one: its stage and residual are as
+    /// long again as all else.
     fn save_first(&mut self) {
         self.save();
         self.saved.0.reserve(2 * self.saved.0.len());
     }
 
-    /// Goes back to where the communication step began. All readings have the same bits as there, and the work done since then remains
-    /// counted. A Jacobian from there is not kept.
+    /// Goes back to where the communication step began. All readings have the same bits as there,
+    /// and the work done since then remains counted. A Jacobian from there is not kept.
     pub(super) fn roll_back(&mut self) {
         let (saved, counts) = (std::mem::take(&mut self.saved), self.stepper.counts());
         self.serialize_values(&mut Archive::reader(&saved.0));
@@ -314,7 +319,8 @@ impl Variator {
         &self.readings(true).profile
     }
 
-    /// Outputs at the present time, and if `profile` is set the profile, whose evaluation costs as much as all of them.
+    /// Outputs at the present time, and if `profile` is set the profile, whose evaluation costs as
+    /// much as all of them.
     pub(crate) fn readings(&mut self, profile: bool) -> &Readings {
         let of = &self.simulation;
         let (view, belt) = (of.state.view(), &of.energy.last);

@@ -7,7 +7,8 @@ use crate::variator::settings::signals::Inputs;
 use crate::variator::settings::table::range_of;
 use crate::variator::settings::{BEYOND, FAR_BEYOND_CAPACITY, RUPTURE};
 
-/// The torque that the belt transmits at given inputs while it does not slip through, and what a clamping force carries.
+/// The torque that the belt transmits at given inputs while it does not slip through, and what a
+/// clamping force carries.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TorqueDemand {
     /// The pulley whose force it is.
@@ -29,7 +30,8 @@ pub(crate) struct TorqueDemand {
 }
 
 impl TorqueDemand {
-    /// The demand on the force of a pulley at a ratio and a primary speed, rad/s; none where no torque is given or no belt closes.
+    /// The demand on the force of a pulley at a ratio and a primary speed, rad/s; none where no
+    /// torque is given or no belt closes.
     pub fn new(parameters: &Parameters, inputs: &Inputs, pulley: Pulley, at: [f64; 2]) -> Option<Self> {
         let [ratio, speed] = at;
         let (p, s) = (&parameters.primary, &parameters.secondary);
@@ -55,7 +57,8 @@ impl TorqueDemand {
         self.capacity_per_force * self.force
     }
 
-    /// Torque of the belt on the primary pulley as a fraction of what the force carries; 0 without torque, whatever that is.
+    /// Torque of the belt on the primary pulley as a fraction of what the force carries; 0 without
+    /// torque, whatever that is.
     pub fn utilisation(&self) -> f64 {
         if self.torque == 0.0 {
             0.0
@@ -77,7 +80,8 @@ impl TorqueDemand {
             && 1.0e-3 * torque <= BEYOND * capacity
     }
 
-    /// The unit that is meant then: that of the force where loads are smaller than those of the default start, else that of the torques.
+    /// The unit that is meant then: that of the force where loads are smaller than those of the
+    /// default start, else that of the torques.
     fn other_unit(&self) -> String {
         let (force, torque, pulley) = (self.force, self.torque.abs(), self.pulley.name());
         let usual = Inputs::default().primary;
@@ -90,7 +94,8 @@ impl TorqueDemand {
     }
 }
 
-/// What the force carries, what the torques demand, and which force would do: the reason why there is no steady state.
+/// What the force carries, what the torques demand, and which force would do: the reason why there
+/// is no steady state.
 impl std::fmt::Display for TorqueDemand {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (pulley, name, force) = (self.pulley.name(), self.name, self.force);
@@ -117,8 +122,8 @@ impl std::fmt::Display for TorqueDemand {
 }
 
 impl Parameters {
-    /// Torque of the belt on the primary pulley, N·m, under which the free shafts accelerate together, from the other torques on them; none
-    /// where both speeds are given.
+    /// Torque of the belt on the primary pulley, N·m, under which the free shafts accelerate
+    /// together, from the other torques on them; none where both speeds are given.
     #[must_use]
     pub fn steady_torque(&self, torques: PerPulley<f64>, ratio: f64) -> Option<f64> {
         let (p, s) = (&self.primary, &self.secondary);
@@ -140,7 +145,8 @@ impl Parameters {
         self.pulley(pulley).cylinder.drag(z_dot, self.friction.velocity)
     }
 
-    /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds, rad/s; N.
+    /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds,
+    /// rad/s; N.
     #[inline]
     pub fn total_clamping_forces_at(
         &self,
@@ -166,7 +172,8 @@ impl Parameters {
         self.total_clamping_forces_at(inputs, PerPulley { primary, secondary }, speeds)
     }
 
-    /// The pressure that opens a pulley at a time, s, under these [total clamping forces](Self::total_clamping_forces_at), N.
+    /// The pressure that opens a pulley at a time, s, under these [total clamping
+    /// forces](Self::total_clamping_forces_at), N.
     pub fn opening_pressure(&self, inputs: &Inputs, clamping: PerPulley<f64>, time: f64) -> Option<String> {
         let opens = |j: &Pulley| clamping[*j] <= 0.0 && clamping[*j] < inputs.pulley(*j).clamping_force;
         let pulley = clamped(self).find(opens)?;
@@ -213,7 +220,8 @@ pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> (&'static
     }
 }
 
-/// The reason why no belt bears the speed of the start, where the primary pulley turns at `speed`, rad/s.
+/// The reason why no belt bears the speed of the start, where the primary pulley turns at `speed`,
+/// rad/s.
 pub(crate) fn excessive_speed(
     parameters: &Parameters,
     inputs: &Inputs,

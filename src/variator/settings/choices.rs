@@ -2,7 +2,8 @@
 
 use crate::fmi::table::{Enumeration, Item};
 
-/// An enumeration: its description, and each item with its number, its name in the interface and its meaning.
+/// An enumeration: its description, and each item with its number, its name in the interface and
+/// its meaning.
 macro_rules! choice {
     ($name:ident: $description:literal; $($(#[$default:ident])? $item:ident = $number:literal $shown:literal: $meaning:literal,)+) => {
         #[doc = concat!($description, ".")]

@@ -1,5 +1,5 @@
-//! Parameters, set before a run: one struct per group, one field per parameter of the interface. SI units, angles in rad. Start values and
-//! ranges are in [`table`](super::table).
+//! Parameters, set before a run: one struct per group, one field per parameter of the interface. SI
+//! units, angles in rad. Start values and ranges are in [`table`](super::table).
 
 use crate::archive::Archive;
 pub use crate::contact::{Contact, Friction};
@@ -66,8 +66,8 @@ pub struct PulleyParameters {
     pub cylinder: Cylinder,
 }
 
-/// Elements along the belt. Their borders include the arc borders and move with them: five segments (half secondary arc, upper
-/// strand, primary arc, lower strand, half secondary arc).
+/// Elements along the belt. Their borders include the arc borders and move with them: five segments
+/// (half secondary arc, upper strand, primary arc, lower strand, half secondary arc).
 #[derive(Clone, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Mesh {
@@ -114,8 +114,9 @@ pub struct Initial {
     pub strict: bool,
 }
 
-/// Parameters that the laws use, to which this dereferences, with those that were set. A pull chain has no stack, no layers and no ring that
-/// slides on elements; its contact is at its centre line, and its whole mass is that of the ring. So both kinds don't compare:
+/// Parameters that the laws use, to which this dereferences, with those that were set. A pull chain
+/// has no stack, no layers and no ring that slides on elements; its contact is at its centre line,
+/// and its whole mass is that of the ring. So both kinds don't compare:
 ///
 /// ```compile_fail,E0369
 /// # use pushbelt::variator::settings::Parameters;
@@ -205,7 +206,8 @@ impl Parameters {
         self.kind == BeltKind::PullChain
     }
 
-    /// Distance e of the pitch line inside the ring centre line, m: 0 for a chain, whose pins touch the sheaves at its centre line.
+    /// Distance e of the pitch line inside the ring centre line, m: 0 for a chain, whose pins touch
+    /// the sheaves at its centre line.
     pub fn pitch_offset(&self) -> f64 {
         if self.is_pull_chain() {
             0.0

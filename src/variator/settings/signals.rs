@@ -1,5 +1,6 @@
-//! Inputs and outputs of a variator at every communication step, in SI units. What each one is, its unit and its limits are in its row:
-//! of inputs in [`table`](super::table), of outputs in [`unit`](crate::unit).
+//! Inputs and outputs of a variator at every communication step, in SI units. What each one is, its
+//! unit and its limits are in its row: of inputs in [`table`](super::table), of outputs in
+//! [`unit`](crate::unit).
 
 use crate::cylinder::Cylinder;
 use crate::pulley::Pulley;
@@ -9,7 +10,8 @@ pub use crate::variator::settings::choices::StartState;
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
 pub const PROFILE_POINTS: usize = 72;
 
-/// Names of the inputs in the order of [`Inputs::values`], their units, and a size of each, in which changes are counted.
+/// Names of the inputs in the order of [`Inputs::values`], their units, and a size of each, in
+/// which changes are counted.
 pub(crate) const INPUTS: [(&str, &str, f64); 8] = [
     ("primary.torque", "N.m", 50.0),
     ("primary.clampingForce", "N", 5.0e3),
@@ -192,7 +194,8 @@ pub struct Work {
 }
 
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs
-/// except `external_torque` in torque drive and `clamping_force_total`, which have the inputs as held over the last step.
+/// except `external_torque` in torque drive and `clamping_force_total`, which have the inputs as
+/// held over the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Outputs {

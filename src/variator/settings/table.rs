@@ -1,8 +1,9 @@
-//! Every parameter and input once: name, value reference, type with start value and range, field, description. The interface, the
-//! defaults and the checks of ranges follow.
+//! Every parameter and input once: name, value reference, type with start value and range, field,
+//! description. The interface, the defaults and the checks of ranges follow.
 //!
-//! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the reference.
-//! The ranges are wide: they exclude only values that can't be intended, and limit cases of theory are admissible.
+//! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the
+//! reference. The ranges are wide: they exclude only values that can't be intended, and limit cases
+//! of theory are admissible.
 
 use crate::fmi::table::{Access, Causality, Kind, Range, Value, Variable};
 use crate::variator::settings::ParameterError;
@@ -86,7 +87,8 @@ impl<S, Q> Setting<S, Q> {
         }
     }
 
-    /// Checks the value against its range, without memory from the heap: inputs are checked in each step.
+    /// Checks the value against its range, without memory from the heap: inputs are checked in each
+    /// step.
     pub(crate) fn check(&self, of: &S) -> Result<(), ParameterError> {
         let value = match &self.row.4 {
             Kind::Real {
@@ -114,8 +116,8 @@ impl<S, Q> Setting<S, Q> {
     }
 }
 
-/// Smallest and largest value of a real or integer parameter or input, by its name in the interface; infinity where
-/// there is no limit.
+/// Smallest and largest value of a real or integer parameter or input, by its name in the
+/// interface; infinity where there is no limit.
 pub fn range_of(name: &str) -> Option<(f64, f64)> {
     let [min, max] = match parameters::<Parameters, ()>().find(|one| one.name() == name) {
         Some(parameter) => parameter.range(),
@@ -146,8 +148,8 @@ impl Default for Inputs {
     }
 }
 
-/// A row with its start value, by name, value reference, causality, type(start value, ..), field and description. `S` is the type of the
-/// settings in which it is.
+/// A row with its start value, by name, value reference, causality, type(start value, ..), field
+/// and description. `S` is the type of the settings in which it is.
 macro_rules! row {
     ($name:literal, $reference:literal, $causality:ident, $kind:ident($($value:tt)*), $($field:ident).+, $text:literal) => {{
         let (start, kind) = value!($kind($($value)*), $($field).+);
@@ -217,8 +219,9 @@ macro_rules! pulley_parameters {
             row!("{}.tiltTime", 37, Parameter, Real("s", 2.0e-3, [1e-6, 10.0]), $pulley.tilt.time, "Relaxation time of the tilt of the {} sheaves"),
             row!("{}.minRadius", 38, Parameter, Real("m", 0.030, [1e-3, 10.0]), $pulley.min_radius, "Pitch radius at the opening stop of the {} sheaves"),
             row!("{}.maxRadius", 39, Parameter, Real("m", 0.082, [1e-3, 10.0]), $pulley.max_radius, "Pitch radius at the closing stop of the {} sheaves"),
-            // Engineering values of a shaft of some 40 mm: T₀ of two lip seals or sealing rings, b of the oil that pulley and bearings splash,
-            // μ_b between the catalogue values of ball bearings, 0.0015, and roller bearings, 0.002, at half the bore.
+            // Engineering values of a shaft of some 40 mm: T₀ of two lip seals or sealing rings, b
+            // of the oil that pulley and bearings splash, μ_b between the catalogue values of ball
+            // bearings, 0.0015, and roller bearings, 0.002, at half the bore.
             row!("{}.drag.constant", 41, Parameter, Real("N.m", 0.15, [0.0, 1e3]), $pulley.drag.constant, "Drag torque of the {} shaft that does not depend on speed or load, as of seals"),
             row!("{}.drag.viscous", 42, Parameter, Real("N.m.s/rad", 4.0e-4, [0.0, 10.0]), $pulley.drag.viscous, "Drag torque of the {} shaft per speed, as of oil"),
             row!("{}.bearing.friction", 43, Parameter, Real("1", 1.8e-3, [0.0, 1.0]), $pulley.drag.bearing_friction, "Friction coefficient of the bearings of the {} shaft under the resultant of the belt's contact forces on the pulley; set 0 if another model includes the bearings"),
@@ -232,7 +235,8 @@ macro_rules! pulley_parameters {
     };
 }
 
-/// The inputs in settings `S`. The ranges are more than ten times what belts for cars transmit and are clamped with.
+/// The inputs in settings `S`. The ranges are more than ten times what belts for cars transmit and
+/// are clamped with.
 pub fn inputs<S: AsRef<Inputs> + AsMut<Inputs>, Q>() -> impl Iterator<Item = Setting<S, Q>> {
     settings_of(PRIMARY, inputs!(primary, 50.0, 13e3))
         .chain(settings_of(SECONDARY, inputs!(secondary, -49.0, 10e3)))
@@ -261,8 +265,9 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("belt.damping", 1035, Parameter, Real("s", 5.0e-6, [0.0, 1e-2]), belt.damping, "Damping time of the element stack, in contact only"),
         row!("belt.roughness", 1037, Parameter, Real("m", 1.0e-7, [1e-10, 1e-5]), belt.roughness, "Roughness of the elements' faces: distance over which the contact force between neighbouring elements rises"),
         row!("belt.elementThickness", 1038, Parameter, Real("m", 1.5e-3, [1e-4, 0.1]), belt.element_thickness, "Thickness of an element"),
-        // An element of 2 g and 12 mm: I = m h²/12 = 2.4e-8 as a bar, and m d² = 0.2e-8 with its centre of mass 1 mm below the rocking edge,
-        // because the body below the saddle is heavier than the head. All energy of turning lost is an upper bound; half of it is the estimate.
+        // An element of 2 g and 12 mm: I = m h²/12 = 2.4e-8 as a bar, and m d² = 0.2e-8 with its
+        // centre of mass 1 mm below the rocking edge, because the body below the saddle is heavier
+        // than the head. All energy of turning lost is an upper bound; half of it is the estimate.
         row!("belt.elementInertia", 1058, Parameter, Real("kg.m2", 1.3e-8, [0.0, 1e-4]), belt.element_inertia, "Moment of inertia of an element about its rocking edge, which determines loss.element_rotation; 0: no such loss"),
         row!("belt.filmThickness", 1040, Parameter, Real("m", 1.5e-6, [1e-8, 1e-4]), belt.film_thickness, "Gap between elements over which the forces of the oil decrease"),
         row!("belt.filmDamping", 1057, Parameter, Real("N.s", 9.0, [0.0, 1e3]), belt.film_damping, "Viscosity of the oily stack: force per rate of strain, twice as large where elements approach at any gap; where they separate divided by (1 + gap/belt.filmThickness)^2"),
@@ -274,11 +279,13 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("ring.lateralBendingStiffness", 1046, Parameter, Real("N.m2", 37.6, [1e-6, 1e9]), ring.lateral_bending_stiffness, "Bending stiffness EI of the ring sets out of the plane of the drive, with ring.spatial"),
         row!("ring.spatial", 1047, Parameter, Switch(false), spatial, "True: the ring also deflects out of the plane of the drive, as between misaligned pulleys. Requires ring.model = ALE"),
         row!("ring.damping", 1044, Parameter, Real("s", 2.0e-5, [0.0, 1e-2]), ring.damping, "Kelvin-Voigt damping time of the axial strain"),
-        // Two sets of nine layers carry half the tension each, which is equivalent to one set that carries all.
+        // Two sets of nine layers carry half the tension each, which is equivalent to one set that
+        // carries all.
         row!("ring.layers", 1049, Parameter, Count(9, [1, 100]), layers.count, "Layers of each ring set, which slip on each other at ratios other than 1"),
         row!("ring.layerThickness", 1050, Parameter, Real("m", 1.85e-4, [0.0, 0.01]), layers.thickness, "Thickness of a layer of the ring sets"),
         row!("ring.layerWidth", 1060, Parameter, Real("m", 9.0e-3, [1e-4, 1.0]), layers.width, "Width of a layer of the ring sets, for its stress only"),
-        // 2π/L: layers that were aged and nitrided as circles. An engineering value: rolling may leave another one.
+        // 2π/L: layers that were aged and nitrided as circles. An engineering value: rolling may
+        // leave another one.
         row!("ring.residualCurvature", 1064, Parameter, Real("1/m", 8.94, [-1e3, 1e3]), layers.residual_curvature, "Curvature of a layer that is free of stress: it shifts the mean stress of bending, and nothing else"),
         row!("friction.pulley", 1051, Tunable, Real("1", 0.09, [0.0, 1.0]), friction.pulley, "Friction coefficient between element and sheave; must be below tan(geometry.wedgeAngle)"),
         row!("friction.ring", 1052, Tunable, Real("1", 0.05, [0.0, 1.0]), friction.ring, "Friction coefficient between ring and element"),
@@ -290,7 +297,8 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("friction.layers", 1056, Parameter, Real("1", 0.05, [0.0, 1.0]), layers.friction, "Friction coefficient between the layers of the ring sets"),
         row!("contact.stiffness", 1061, Parameter, Real("N/m2", 6.0e10, [1e6, 1e15]), contact.stiffness, "Contact stiffness per flank and pitch-line length"),
         row!("contact.roughness", 1063, Parameter, Real("m", 1.0e-7, [1e-10, 1e-5]), contact.roughness, "Roughness of flank and sheave: distance over which the contact force rises"),
-        // With 1e-6, waves of 2.6 kHz grow where the belt enters an arc on the default mesh, but not on twice the elements.
+        // With 1e-6, waves of 2.6 kHz grow where the belt enters an arc on the default mesh, but
+        // not on twice the elements.
         row!("contact.damping", 1062, Parameter, Real("s", 3.0e-6, [0.0, 1e-2]), contact.damping, "Damping time of the contact between flank and sheave"),
         row!("mesh.primaryArc", 1071, Parameter, Count(16, [2, 200]), mesh.primary_arc, "Ring elements on the primary arc"),
         row!("mesh.secondaryArc", 1072, Parameter, Count(16, [2, 200]), mesh.secondary_arc, "Ring elements on the secondary arc, an even number"),

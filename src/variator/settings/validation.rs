@@ -1,7 +1,8 @@
 //! Checks of parameters and inputs.
 //!
-//! There are two kinds of rule. Each value has a range of its own, in the [`table`](super::table); and values must fit each other (the belt
-//! around the pulleys, the stops, the wedge above the friction angle).
+//! There are two kinds of rule. Each value has a range of its own, in the [`table`](super::table);
+//! and values must fit each other (the belt around the pulleys, the stops, the wedge above the
+//! friction angle).
 
 use crate::reference_curve::TwoPulley;
 use crate::variator::settings::parameters::{Parameters, RingModel};
@@ -34,7 +35,8 @@ impl ParameterError {
 }
 
 impl Parameters {
-    /// Checks every parameter against its range, and all against each other; returns the first that is out of its range.
+    /// Checks every parameter against its range, and all against each other; returns the first that
+    /// is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
         parameters::<_, ()>().try_for_each(|parameter| parameter.check(self))?;
         self.validate_wedge()?;
@@ -51,7 +53,8 @@ impl Parameters {
             (&self.secondary, "secondary.tiltClearance"),
         ] {
             let clearance = pulley.tilt.clearance;
-            // The square of a hundredth of it is above the least number, and so is what a flank moves by it.
+            // The square of a hundredth of it is above the least number, and so is what a flank
+            // moves by it.
             require(clearance == 0.0 || clearance >= 1e-9, name, clearance, || {
                 "1e-9 to 0.1, or 0: less moves a flank by less than an atom, and rounding takes it".to_owned()
             })?;
@@ -78,8 +81,9 @@ impl Parameters {
         })
     }
 
-    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if both are off those of the default ring
-    /// on the same side: stiffness and mass then belong to other layers. One alone may be intended, as in a limit case of theory.
+    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if
+    /// both are off those of the default ring on the same side: stiffness and mass then belong to
+    /// other layers. One alone may be intended, as in a limit case of theory.
     pub(crate) fn steel_of_other_layers(&self) -> Option<(f64, f64)> {
         let steel = |of: &Self| {
             let area = 2.0 * f64::from(of.layers.count) * of.layers.width * of.layers.thickness;
@@ -108,7 +112,8 @@ impl Parameters {
         )
     }
 
-    /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and that the end play is small.
+    /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and
+    /// that the end play is small.
     pub fn validate_belt(&self) -> Result<(), ParameterError> {
         let distance = self.geometry.center_distance;
         let length = self.geometry.belt_length;

@@ -1,7 +1,8 @@
 //! A steady state on a coarse mesh as the start on a fine one.
 //!
-//! A solution from the kinematic state mainly determines which elements stick, slide and separate. A mesh with half the
-//! elements gives nearly the same result, and with one cell per element its Jacobian costs a quarter.
+//! A solution from the kinematic state mainly determines which elements stick, slide and separate.
+//! A mesh with half the elements gives nearly the same result, and with one cell per element its
+//! Jacobian costs a quarter.
 
 use crate::reference_curve::ReferenceCurve;
 use crate::ring::kinematics::Hermite;
@@ -29,8 +30,8 @@ pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
     })
 }
 
-/// Writes the fields of `from`, a state of the coarse `belt` found from its `kinematic` one, into `state`, a kinematic state of the `fine` belt,
-/// whose sum of element contents is kept.
+/// Writes the fields of `from`, a state of the coarse `belt` found from its `kinematic` one, into
+/// `state`, a kinematic state of the `fine` belt, whose sum of element contents is kept.
 pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, state: &mut State) {
     let content: f64 = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
     let globals = |belt: &Belt| belt.layout.drift()..belt.layout.len();
@@ -51,7 +52,8 @@ pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, 
     if fine.law.is_pull_chain() {
         return;
     }
-    // Cells of an element share its length in the kinematic state, so contents are in proportion to its.
+    // Cells of an element share its length in the kinematic state, so contents are in proportion to
+    // its.
     for (cell, at) in fine.cells_at.iter().enumerate() {
         let of = belt
             .layout
@@ -64,7 +66,8 @@ pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, 
     }
 }
 
-/// Element of a coarse mesh at a place `along` a cell of the `fine` mesh, and the place along it, from 0 to 1.
+/// Element of a coarse mesh at a place `along` a cell of the `fine` mesh, and the place along it,
+/// from 0 to 1.
 fn find_element(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, along: f64) -> (usize, f64) {
     let of_fine = fine.cells_per_element;
     let Element {
@@ -76,7 +79,8 @@ fn find_element(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, along: f64) -> 
     find(&coarse.elements, segment, start + length * along)
 }
 
-/// Cell of a coarse mesh at a place `along` a cell of the `fine` mesh, and the place along it, from 0 to 1.
+/// Cell of a coarse mesh at a place `along` a cell of the `fine` mesh, and the place along it, from
+/// 0 to 1.
 fn find_cell(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, along: f64) -> (usize, f64) {
     let (element, along) = find_element(coarse, fine, cell, along);
     let cells = coarse.cells_per_element;

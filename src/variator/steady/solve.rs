@@ -1,8 +1,9 @@
 //! Steady states, solved directly: in the Eulerian description they are fixed points.
 //!
-//! Pseudo-transient continuation from the kinematic state. A stiff spring on Θ holds the ratio. After each step its force is
-//! moved to the reaction, and its set point until the pressure-weighted radii have the specified ratio. A solution from the
-//! kinematic state starts on a coarse mesh (`refine`).
+//! Pseudo-transient continuation from the kinematic state. A stiff spring on Θ holds the ratio.
+//! After each step its force is moved to the reaction, and its set point until the
+//! pressure-weighted radii have the specified ratio. A solution from the kinematic state starts on
+//! a coarse mesh (`refine`).
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
@@ -44,7 +45,8 @@ impl SteadyTask {
     }
 }
 
-/// Solves for steady states of a system, which is then under the boundary conditions of the last one.
+/// Solves for steady states of a system, which is then under the boundary conditions of the last
+/// one.
 #[derive(Debug)]
 pub struct SteadySolver<'a> {
     /// Equations.
@@ -54,8 +56,9 @@ pub struct SteadySolver<'a> {
 }
 
 impl SteadySolver<'_> {
-    /// Finds the steady state from `state`, in place: the last one solved, if there is no steady state near by. From a
-    /// kinematic state by way of a coarse mesh, else of a firmer clamping force, else directly, which reverse running needs.
+    /// Finds the steady state from `state`, in place: the last one solved, if there is no steady
+    /// state near by. From a kinematic state by way of a coarse mesh, else of a firmer clamping
+    /// force, else directly, which reverse running needs.
     pub fn solve(&mut self, state: &mut State, task: &SteadyTask) -> Result<(), NotSteady> {
         let own = self.system.parameters.friction.velocity;
         if task.warm {
@@ -123,9 +126,10 @@ impl SteadySolver<'_> {
         outcome
     }
 
-    /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant method
-    /// on ln(force/reaction) over ln(ratio). At an end of `range`, where the sheaves are near their stops, they are released under the
-    /// clamping forces, and come to rest against a stop. Returns whether they do.
+    /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady
+    /// state at the task's ratio: secant method on ln(force/reaction) over ln(ratio). At an end of
+    /// `range`, where the sheaves are near their stops, they are released under the clamping
+    /// forces, and come to rest against a stop. Returns whether they do.
     pub fn balance(
         &mut self,
         state: &mut State,
@@ -225,16 +229,16 @@ fn cold_start(
     Ok(state)
 }
 
-/// Quantities that change during the solution: the reaction, the set point of Θ, the conditions of the shafts, the friction
-/// velocity.
+/// Quantities that change during the solution: the reaction, the set point of Θ, the conditions of
+/// the shafts, the friction velocity.
 struct Control<'a> {
     task: &'a SteadyTask,
     /// Clamping forces, N; the reaction's follows the force that holds the sheave.
     clamping: PerPulley<f64>,
     /// Set point of Θ.
     theta: f64,
-    /// Whether the belt grips. Before, both speeds are kept: torque on a belt that does not yet grip leads to
-    /// the branch on which a pulley slips permanently.
+    /// Whether the belt grips. Before, both speeds are kept: torque on a belt that does not yet
+    /// grip leads to the branch on which a pulley slips permanently.
     gripping: bool,
 }
 
@@ -270,13 +274,15 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// Corrects the system after a solved step. Returns the largest next step; `None` rejects the step.
+    /// Corrects the system after a solved step. Returns the largest next step; `None` rejects the
+    /// step.
     fn correct(&mut self, system: &mut VariatorSystem, trial: &Trial<'_>) -> Option<f64> {
         let present = geometric_ratio(system, trial.after);
         if self.gripping && !self.task.is_held() && runs_away(&system.belt, trial, present) {
             return None;
         }
-        // Slower than the belt settles: otherwise the two integral corrections oscillate with growing amplitude.
+        // Slower than the belt settles: otherwise the two integral corrections oscillate with
+        // growing amplitude.
         let gain = |time: f64| (trial.step / time).min(1.0);
         let reaction = self.task.reaction;
         let holding = system
@@ -299,8 +305,8 @@ impl<'a> Control<'a> {
     }
 }
 
-/// Whether the slip at the geometric ratio `ratio` grows beyond that of a pulley that has run away. With a poor first guess of
-/// a speed the slip may be as large, but it decreases.
+/// Whether the slip at the geometric ratio `ratio` grows beyond that of a pulley that has run away.
+/// With a poor first guess of a speed the slip may be as large, but it decreases.
 fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
     let slip = |view| {
         let speeds = belt.shaft_speeds(view);

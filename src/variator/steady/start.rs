@@ -1,6 +1,7 @@
-//! The kinematic state that runs and steady solutions start from: belt on the reference curve, no stretch, no push
-//! force, penetrations that balance the clamping forces. A start with the closed form of a belt whose arcs transmit
-//! evenly (strand forces, uniform stretch, push force) was tried: it needs as many Newton iterations.
+//! The kinematic state that runs and steady solutions start from: belt on the reference curve, no
+//! stretch, no push force, penetrations that balance the clamping forces. A start with the closed
+//! form of a belt whose arcs transmit evenly (strand forces, uniform stretch, push force) was
+//! tried: it needs as many Newton iterations.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
@@ -66,8 +67,8 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     Ok(state)
 }
 
-/// Places the ring in space between the planes of the two pulleys: across a strand it is a cubic that is tangential to
-/// the planes.
+/// Places the ring in space between the planes of the two pulleys: across a strand it is a cubic
+/// that is tangential to the planes.
 fn lead_across(belt: &Belt, frame: &TwoPulleyFrame<f64>, state: &mut State) {
     let layout = &belt.layout;
     let middle = belt.middles(state.view());

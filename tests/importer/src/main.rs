@@ -1,5 +1,6 @@
-//! Runs the FMU in the importer `fmu-runner`: `importer FMU STEPS` reads the description, checks it, makes steps of 1 ms, continues
-//! a second run from a stored state, and prints the outputs at the end, one `name value` a line.
+//! Runs the FMU in the importer `fmu-runner`: `importer FMU STEPS` reads the description, checks
+//! it, makes steps of 1 ms, continues a second run from a stored state, and prints the outputs at
+//! the end, one `name value` a line.
 
 use std::collections::HashMap;
 use std::error::Error;

@@ -1,5 +1,5 @@
-//! What the benchmarks share: rows of their tables, and times of manoeuvres and of the parts of a step. Times are processor time of
-//! the thread.
+//! What the benchmarks share: rows of their tables, and times of manoeuvres and of the parts of a
+//! step. Times are processor time of the thread.
 
 use std::hint::black_box;
 
@@ -46,7 +46,8 @@ pub fn text(counts: &Counts) -> String {
     format!("{steps} steps, {residuals} residuals, {factors} factorizations")
 }
 
-/// Time and work of a manoeuvre with the variator of `build`; `around` is called with each communication step.
+/// Time and work of a manoeuvre with the variator of `build`; `around` is called with each
+/// communication step.
 pub fn manoeuvre(
     build: impl FnOnce() -> Variator,
     trace: &[Inputs],

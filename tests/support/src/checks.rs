@@ -12,7 +12,8 @@ pub fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
     );
 }
 
-/// A belt in reverse is that of `forward` mirrored in the line of the axes: speeds and torques change sign, all else is the same.
+/// A belt in reverse is that of `forward` mirrored in the line of the axes: speeds and torques
+/// change sign, all else is the same.
 #[track_caller]
 pub fn assert_mirrored(reverse: &Outputs, forward: &Outputs, relative: f64) {
     for (name, sign, read) in [
@@ -40,7 +41,8 @@ pub fn assert_mirrored(reverse: &Outputs, forward: &Outputs, relative: f64) {
     }
 }
 
-/// Work must not exceed `pinned` by more than 5 %. Less work is an improvement, but less than half indicates a run that ended early.
+/// Work must not exceed `pinned` by more than 5 %. Less work is an improvement, but less than half
+/// indicates a run that ended early.
 #[track_caller]
 pub fn assert_pinned(found: u64, pinned: u64, what: &str) {
     let advice = format!(
@@ -55,7 +57,8 @@ pub fn list(numbers: &[f64]) -> String {
     numbers.iter().map(|x| format!(" {x:.2e}")).collect()
 }
 
-/// Orders of convergence between successive errors, whose steps or lengths differ by the factor `ratio`.
+/// Orders of convergence between successive errors, whose steps or lengths differ by the factor
+/// `ratio`.
 pub fn orders(errors: &[f64], ratio: f64) -> Vec<f64> {
     errors
         .windows(2)

@@ -47,7 +47,8 @@ fn close(a: Vector2<f64>, b: Vector2<f64>, tolerance: f64) {
     assert!((a - b).norm() < tolerance, "{a} {b}");
 }
 
-/// Derivatives along a path, and the derivatives of these by the scalar, against central differences.
+/// Derivatives along a path, and the derivatives of these by the scalar, against central
+/// differences.
 #[track_caller]
 pub fn assert_path<C: ReferenceCurve>(
     frame: impl Fn(f64) -> C::Frame<f64>,

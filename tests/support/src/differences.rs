@@ -16,11 +16,13 @@ pub struct Entry {
     pub difference: f64,
     /// Largest entry of the column.
     pub largest: f64,
-    /// Sizes of the residuals in its row, over the step: a few roundings of this are in the difference.
+    /// Sizes of the residuals in its row, over the step: a few roundings of this are in the
+    /// difference.
     pub rounded: f64,
 }
 
-/// Calls `check` with every entry of ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`; differences in an unknown are over its `step`.
+/// Calls `check` with every entry of ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`; differences in an unknown
+/// are over its `step`.
 pub fn compare(
     system: &mut impl System,
     time: f64,

@@ -1,5 +1,5 @@
-//! A small variator far from any steady state, and its derivatives: against differences, and with updated constitutive
-//! tangents.
+//! A small variator far from any steady state, and its derivatives: against differences, and with
+//! updated constitutive tangents.
 
 use std::sync::Arc;
 
@@ -94,7 +94,8 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     let (alpha, beta) = (1.0e4, 1.0e-4);
     let mut size = vec![0.0; state.y.len()];
     system.newton_scale(beta, &mut size);
-    // Strains of a travelling ring are differences of positions, so each force has a rounding error of EA·ε.
+    // Strains of a travelling ring are differences of positions, so each force has a rounding error
+    // of EA·ε.
     let mut coarse = vec![false; size.len()];
     if system.belt.ring.starts_on().is_some() {
         let layout = &system.belt.layout;
@@ -118,7 +119,8 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
 /// Equations of a belt, with derivatives by hand or by forward differentiation.
 pub type Equations = fn(&Belt, bool) -> Box<dyn Assembly>;
 
-/// Derivatives of the `equations` in a state, column by column: rows of the matrix, then resultants of the contact forces.
+/// Derivatives of the `equations` in a state, column by column: rows of the matrix, then resultants
+/// of the contact forces.
 fn columns(system: &VariatorSystem, state: &State, equations: Equations, by_hand: bool) -> Vec<Vec<f64>> {
     let (belt, friction) = (&*system.belt, &system.friction());
     let n = state.y.len();
@@ -170,8 +172,9 @@ pub fn product(matrix: &Arrow) -> Vec<f64> {
     product
 }
 
-/// The Jacobian at the second state after an update of the constitutive tangents alone, with the geometry of the first state:
-/// it differs from the exact one by less than `share` of the difference due to `change` and the states.
+/// The Jacobian at the second state after an update of the constitutive tangents alone, with the
+/// geometry of the first state: it differs from the exact one by less than `share` of the
+/// difference due to `change` and the states.
 #[track_caller]
 fn assert_updated(
     system: &mut VariatorSystem,
@@ -197,8 +200,8 @@ fn assert_updated(
     assert!(changed > 1e3 && off < share * changed, "{changed:e}, {off:e}");
 }
 
-/// An update of the constitutive tangents alone gives the current Jacobian: where laws have other tangents and the same forces,
-/// and close to the state at which the geometry was evaluated.
+/// An update of the constitutive tangents alone gives the current Jacobian: where laws have other
+/// tangents and the same forces, and close to the state at which the geometry was evaluated.
 #[track_caller]
 pub fn assert_update_of_tangents(parameters: &Parameters, ring: &Arc<dyn BeltRing>) {
     let (mut system, mut state) = disturbed_with(parameters, Arc::clone(ring), 200.0);

@@ -1,5 +1,6 @@
-//! The film between the elements and what it does to gaps, slip and traction: for `examples/film.rs` and tests. The variators are those
-//! of [`film_variator`], as they are or changed.
+//! The film between the elements and what it does to gaps, slip and traction: for
+//! `examples/film.rs` and tests. The variators are those of [`film_variator`], as they are or
+//! changed.
 
 use std::error::Error;
 
@@ -12,8 +13,8 @@ use pushbelt::variator::settings::{
 use crate::steady::stations;
 use crate::variators::{SPEED, variator};
 
-/// The oil between the elements: `belt.suction`, N, `belt.filmThickness`, m, `belt.roughness`, m, `belt.filmDamping`, N·s, and
-/// `belt.squeezeDamping`, N·s.
+/// The oil between the elements: `belt.suction`, N, `belt.filmThickness`, m, `belt.roughness`, m,
+/// `belt.filmDamping`, N·s, and `belt.squeezeDamping`, N·s.
 pub fn film(p: &mut Parameters) -> [&mut f64; 5] {
     let belt = &mut p.belt;
     [
@@ -48,7 +49,8 @@ pub enum Load {
 
 type Found<T> = Result<T, Box<dyn Error>>;
 
-/// With the default film, without drag of the shafts and friction of layers, as in the continuum theory.
+/// With the default film, without drag of the shafts and friction of layers, as in the continuum
+/// theory.
 pub fn film_variator(ring: RingModel) -> Parameters {
     let mut parameters = variator(ring);
     parameters.primary.axial = Axial::Held;

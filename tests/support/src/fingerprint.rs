@@ -24,7 +24,8 @@ fn hash(rows: &[Vec<f64>]) -> u64 {
     hasher.finish()
 }
 
-/// Largest difference from the outputs of another build, as a share of the range of the output in this run.
+/// Largest difference from the outputs of another build, as a share of the range of the output in
+/// this run.
 fn difference(rows: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
     let columns = rows.first().map_or(0, Vec::len);
     let of_column = |k: usize| {

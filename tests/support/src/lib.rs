@@ -1,4 +1,5 @@
-//! What the tests, benchmarks and examples of `pushbelt` share. It is a development dependency and not published.
+//! What the tests, benchmarks and examples of `pushbelt` share. It is a development dependency and
+//! not published.
 
 pub mod bench;
 pub mod checks;

@@ -7,8 +7,8 @@ use pushbelt::variator::settings::Parameters;
 use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt::variator::system::VariatorSystem;
 
-/// One of the nine cases: 2000 rpm, the ratio held by the primary sheave, the secondary clamping force 1.3 times that of full
-/// tangential slip.
+/// One of the nine cases: 2000 rpm, the ratio held by the primary sheave, the secondary clamping
+/// force 1.3 times that of full tangential slip.
 #[derive(Clone, Copy, Debug)]
 pub struct LoadCase {
     /// Ratio by name.
@@ -79,7 +79,8 @@ pub fn given(ratio: f64, reaction: Pulley, clamping: f64) -> SteadyTask {
     }
 }
 
-/// A task under a secondary clamping force, N, and a torque on the primary shaft, N·m; the speed of the secondary one is held.
+/// A task under a secondary clamping force, N, and a torque on the primary shaft, N·m; the speed of
+/// the secondary one is held.
 pub fn transmitted(ratio: f64, clamping: f64, torque: f64) -> SteadyTask {
     SteadyTask {
         shaft: pair(ShaftMode::Fixed, ShaftMode::Torque(torque)),

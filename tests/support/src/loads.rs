@@ -1,5 +1,5 @@
-//! Loads as in drivetrains: jumps, ripple, noise, each with a vehicle on the secondary shaft and a controller of the ratio by
-//! the primary force.
+//! Loads as in drivetrains: jumps, ripple, noise, each with a vehicle on the secondary shaft and a
+//! controller of the ratio by the primary force.
 
 use std::f64::consts::TAU;
 
@@ -32,7 +32,8 @@ pub enum LoadHistory {
     Stairs,
     /// `Firing` about 20 N·m with `Noise`, in underdrive.
     FiringAndNoise,
-    /// A hunting clutch at low speed: its torque changes sign with the difference of speeds every 10 ms.
+    /// A hunting clutch at low speed: its torque changes sign with the difference of speeds every
+    /// 10 ms.
     Hunting,
 }
 
@@ -60,8 +61,8 @@ impl LoadHistory {
         char::from(b'a' + at as u8)
     }
 
-    /// Communication step, s, mean torque on the primary shaft and largest torque that the secondary clamping force transmits, N·m, and speed
-    /// of the primary shaft at the start, rad/s.
+    /// Communication step, s, mean torque on the primary shaft and largest torque that the
+    /// secondary clamping force transmits, N·m, and speed of the primary shaft at the start, rad/s.
     fn figures(self) -> [f64; 4] {
         match self {
             Self::Smooth => [1e-3, 50.0, 1.3 * 80.0, SPEED],
@@ -125,7 +126,8 @@ impl Driven {
             let start = inputs((torque, primary), (-torque * ratio, clamping));
             started(parameters.clone(), &start)
         };
-        // The start holds the ratio. The run begins with the force that holds the belt there, to avoid a jump.
+        // The start holds the ratio. The run begins with the force that holds the belt there, to
+        // avoid a jump.
         let primary = started(clamping).outputs().primary.axial_force;
         let variator = started(primary);
         Self {

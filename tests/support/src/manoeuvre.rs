@@ -5,7 +5,8 @@ use pushbelt::variator::settings::Parameters;
 
 use crate::variators::inputs;
 
-/// Lines of `resources/manoeuvre.csv`: time, torques of P and S, clamping forces of P and S; linear between lines.
+/// Lines of `resources/manoeuvre.csv`: time, torques of P and S, clamping forces of P and S; linear
+/// between lines.
 #[derive(Debug)]
 pub struct Manoeuvre {
     rows: Vec<[f64; 5]>,

@@ -4,10 +4,11 @@ use pushbelt::variator::run::Variator;
 
 /// Work of a millisecond for each `solver.effort`, units.
 pub const EFFORT: f64 = 15.5;
-/// How far a millisecond may be above that, units: 12 carried on; and 16 overdrawn by a Jacobian of 20 with the residuals before and after
-/// it, which begins where 6 are left.
+/// How far a millisecond may be above that, units: 12 carried on; and 16 overdrawn by a Jacobian of
+/// 20 with the residuals before and after it, which begins where 6 are left.
 pub const ABOVE: f64 = 28.0;
-/// Work of a Jacobian with its factors, units: with reused geometry, and what all geometry takes beside. A residual with its correction is 1.
+/// Work of a Jacobian with its factors, units: with reused geometry, and what all geometry takes
+/// beside. A residual with its correction is 1.
 const JACOBIAN: [f64; 2] = [6.0, 14.0];
 
 /// Counts the work of a run from one communication step to the next.

@@ -36,7 +36,8 @@ pub fn restored(variator: &mut Variator, parameters: Parameters) -> Variator {
     restored
 }
 
-/// Copies of a variator and its stored state continue with the same bits for 20 steps, to the times and with the inputs of `given`.
+/// Copies of a variator and its stored state continue with the same bits for 20 steps, to the times
+/// and with the inputs of `given`.
 pub fn assert_continues_alike(
     variator: &mut Variator,
     parameters: Parameters,
@@ -61,7 +62,8 @@ pub struct Run {
     pub variator: Variator,
     /// Inputs, constant until changed.
     pub inputs: Inputs,
-    /// Largest |energy residual| relative to its bound 2e-3·∫|power| dt + 1e-3·(largest stored energy).
+    /// Largest |energy residual| relative to its bound 2e-3·∫|power| dt + 1e-3·(largest stored
+    /// energy).
     pub residual: f64,
     /// Largest relative change of the element content.
     pub amount_change: f64,

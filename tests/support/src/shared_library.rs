@@ -18,7 +18,8 @@ pub const OK: c_int = 0;
 pub const WARNING: c_int = 1;
 pub const ERROR: c_int = 3;
 
-/// The exported functions of a table of C functions, each with a list of arguments, a result and a body.
+/// The exported functions of a table of C functions, each with a list of arguments, a result and a
+/// body.
 macro_rules! functions {
     (
         $all:ident:
@@ -36,7 +37,8 @@ macro_rules! functions {
 
         impl $all {
             pub(crate) fn of(library: &libloading::Library) -> Self {
-                // SAFETY: these are the types with which the library exports them; a status is an `int`.
+                // SAFETY: these are the types with which the library exports them; a status is an
+                // `int`.
                 unsafe {
                     Self {
                         $($name: *library.get(stringify!($name).as_bytes()).expect(stringify!($name)),)*

@@ -25,7 +25,8 @@ pub struct Shift {
     pub run: Run,
 }
 
-/// The shift from the steady state without load at 1000 rpm, at the speed ratio `s` and the secondary force `force`, N.
+/// The shift from the steady state without load at 1000 rpm, at the speed ratio `s` and the
+/// secondary force `force`, N.
 pub fn unloaded_shift(model: RingModel, s: f64, force: f64) -> Shift {
     let mut parameters = variator(model);
     parameters.primary.drive = Drive::Speed;

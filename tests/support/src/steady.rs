@@ -76,8 +76,8 @@ impl Steady {
         (o.primary.power + o.secondary.power - of_belt) / driving
     }
 
-    /// Wrap angles of the belt's own radii, rad. (Θ is the radius at one point of S: a stretched ring is
-    /// larger than its reference curve.)
+    /// Wrap angles of the belt's own radii, rad. (Θ is the radius at one point of S: a stretched
+    /// ring is larger than its reference curve.)
     pub fn wrap(&self) -> PerPulley<f64> {
         let difference = self.outputs.primary.radius - self.outputs.secondary.radius;
         let half = (difference / self.system.parameters.geometry.center_distance).acos();
@@ -88,12 +88,14 @@ impl Steady {
     }
 }
 
-/// The steady state of a task. `speeds` are those of the shafts, rad/s; a speed that the task leaves free is a first guess.
+/// The steady state of a task. `speeds` are those of the shafts, rad/s; a speed that the task
+/// leaves free is a first guess.
 pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: PerPulley<f64>) -> Steady {
     steady_with(parameters, parameters.ring_of_model(), task, speeds)
 }
 
-/// At a ratio that the primary sheave holds, under a secondary clamping force, N: both shafts have given speeds, rad/s.
+/// At a ratio that the primary sheave holds, under a secondary clamping force, N: both shafts have
+/// given speeds, rad/s.
 pub fn turning(parameters: &Parameters, ratio: f64, force: f64, speeds: PerPulley<f64>) -> Steady {
     steady(parameters, &given(ratio, Pulley::Primary, force), speeds)
 }
@@ -107,7 +109,8 @@ pub fn loaded(parameters: &Parameters, ratio: f64, force: f64, torque: f64, spee
     steady(parameters, &task, speeds(ratio, speed))
 }
 
-/// The same with a torque, N·m, on the primary shaft, and the secondary speed without slip at a primary one, rad/s.
+/// The same with a torque, N·m, on the primary shaft, and the secondary speed without slip at a
+/// primary one, rad/s.
 pub fn transmitting(parameters: &Parameters, ratio: f64, force: f64, torque: f64, speed: f64) -> Steady {
     steady(
         parameters,

@@ -29,7 +29,8 @@ pub struct Trace {
     pub unaccounted: f64,
 }
 
-/// A variator under a load at a ratio for `seconds`; `see` is called with the variator after each step.
+/// A variator under a load at a ratio for `seconds`; `see` is called with the variator after each
+/// step.
 ///
 /// # Panics
 /// If a step fails.

@@ -51,8 +51,9 @@ pub fn rigid(mut parameters: Parameters) -> Parameters {
     parameters
 }
 
-/// The belt alone: shafts without drag, layers of the ring without friction, no loss by turning elements, Coulomb
-/// friction on the sheaves. For comparison with theories that have no other losses.
+/// The belt alone: shafts without drag, layers of the ring without friction, no loss by turning
+/// elements, Coulomb friction on the sheaves. For comparison with theories that have no other
+/// losses.
 pub fn belt_alone(mut parameters: Parameters) -> Parameters {
     parameters.primary.drag = ShaftDrag::default();
     parameters.secondary.drag = ShaftDrag::default();

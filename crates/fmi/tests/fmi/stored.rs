@@ -155,7 +155,8 @@ fn wrong_bytes_are_refused_and_change_nothing() {
         assert_eq!(bytes[12..28], guid.to_le_bytes(), "after the version");
         refuses(&bytes[1..], "not a stored state");
         refuses(&[&bytes[..], b"x"].concat(), "checksum");
-        // Those of another version of the layout by both versions: the present one, 18, and 18 with the changed bit.
+        // Those of another version of the layout by both versions: the present one, 18, and 18 with
+        // the changed bit.
         refuses(
             &damaged(8),
             "has version 2 of the layout, and this FMU reads version 18",

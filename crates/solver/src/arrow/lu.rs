@@ -1,7 +1,7 @@
 //! Factors of an [`Arrow`] and solutions with them.
 //!
-//! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
-//! in n: O(n (b+g)² b). Pivoting is inside a block.
+//! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost
+//! and memory are linear in n: O(n (b+g)² b). Pivoting is inside a block.
 
 use super::super::kernels::{Update, gemm, gemv, invert};
 use super::{Arrow, Parts, Shape, block, from_places, to_places};
@@ -15,13 +15,16 @@ pub struct Singular {
     pub block: usize,
 }
 
-/// Factors of an [`Arrow`] with all scratch memory: factoring and solving allocate nothing where the compiler has the size.
+/// Factors of an [`Arrow`] with all scratch memory: factoring and solving allocate nothing where
+/// the compiler has the size.
 #[derive(Clone, Debug)]
 pub struct ArrowLu {
     shape: Shape,
-    /// D_k⁻¹: a product with it waits for nothing, where two triangular solutions wait for each unknown in turn.
+    /// D_k⁻¹: a product with it waits for nothing, where two triangular solutions wait for each
+    /// unknown in turn.
     inverses: Vec<f64>,
-    /// L_{k+1} D_k⁻¹ at k + 1: what elimination takes from a block to the next, so that it needn't wait for D_k⁻¹.
+    /// L_{k+1} D_k⁻¹ at k + 1: what elimination takes from a block to the next, so that it needn't
+    /// wait for D_k⁻¹.
     lower: Vec<f64>,
     /// D_k⁻¹ [U_k | border columns], b×(b+w) each.
     solved: Vec<f64>,
@@ -40,9 +43,9 @@ pub struct ArrowLu {
     ordered: Vec<f64>,
 }
 
-/// Calls a method for the size of a block, B, and of the border together with block 0, W, as constants: those of belts in
-/// the plane and in space, and of a planar ring alone. 0 stands for any other size. Each size takes 20 kB of an FMU for two
-/// machines.
+/// Calls a method for the size of a block, B, and of the border together with block 0, W, as
+/// constants: those of belts in the plane and in space, and of a planar ring alone. 0 stands for
+/// any other size. Each size takes 20 kB of an FMU for two machines.
 macro_rules! for_size {
     ($lu:expr, $method:ident($argument:expr)) => {
         match ($lu.shape.block, $lu.shape.border) {
@@ -167,7 +170,8 @@ impl ArrowLu {
         }
     }
 
-    /// Inverts the pivot of block k, and takes the block's part from block k + 1 and from the border.
+    /// Inverts the pivot of block k, and takes the block's part from block k + 1 and from the
+    /// border.
     #[inline(always)]
     fn eliminate<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) -> Result<(), Singular> {
         let [b, w] = self.sizes::<B, W>();

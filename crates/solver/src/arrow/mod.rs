@@ -1,5 +1,5 @@
-//! Periodic block-tridiagonal matrix with a thin border: n blocks of size b around a loop, g border unknowns coupled to
-//! all of them.
+//! Periodic block-tridiagonal matrix with a thin border: n blocks of size b around a loop, g border
+//! unknowns coupled to all of them.
 //!
 //! ```text
 //!  D0 U0          L0 | R0
@@ -46,8 +46,8 @@ impl Shape {
         self.len() == 0
     }
 
-    /// Starts of the parts in the storage of an [`Arrow`]: D, U, L, R, B, C, end. Each part holds its blocks in order,
-    /// a block its columns.
+    /// Starts of the parts in the storage of an [`Arrow`]: D, U, L, R, B, C, end. Each part holds
+    /// its blocks in order, a block its columns.
     fn starts(&self) -> [usize; 7] {
         let [n, b, g] = self.sizes();
         let (square, strip) = (n * b * b, n * b * g);
@@ -80,7 +80,8 @@ impl Shape {
     }
 }
 
-/// The matrix. Indices are those of the vector: blocks in order, then the border, unless it was reordered.
+/// The matrix. Indices are those of the vector: blocks in order, then the border, unless it was
+/// reordered.
 #[derive(Clone, Debug)]
 pub struct Arrow {
     shape: Shape,
@@ -134,8 +135,9 @@ impl Arrow {
         }
     }
 
-    /// Sets every entry to zero and gives unknown i of the vector the place `order[i]`, a permutation that leaves the
-    /// border where it is. Factors keep the order that they were made in.
+    /// Sets every entry to zero and gives unknown i of the vector the place `order[i]`, a
+    /// permutation that leaves the border where it is. Factors keep the order that they were made
+    /// in.
     pub fn reorder(&mut self, order: &[usize]) {
         self.clear();
         self.order.copy_from_slice(order);

@@ -158,7 +158,8 @@ impl Real for Lanes {
 
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        // Lane by lane by the standard library: no law needs it in a step, and it is exact on the axes.
+        // Lane by lane by the standard library: no law needs it in a step, and it is exact on the
+        // axes.
         let (y, x) = (self.to_array(), x.to_array());
         Self::new(std::array::from_fn(|lane| y[lane].atan2(x[lane])))
     }

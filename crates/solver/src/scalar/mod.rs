@@ -1,6 +1,8 @@
-//! The scalar type that every law is generic over: a plain number, a pack of them, or either with derivatives.
+//! The scalar type that every law is generic over: a plain number, a pack of them, or either with
+//! derivatives.
 
-/// Zero, one and the operators that change a scalar in place, all by its conversion and its other operators.
+/// Zero, one and the operators that change a scalar in place, all by its conversion and its other
+/// operators.
 macro_rules! in_place {
     ([$($generic:tt)*] $type:ty) => {
         super::in_place!([$($generic)*] $type, AddAssign add_assign +);
@@ -49,7 +51,8 @@ pub use tangent::{Dual, Tangent, along};
 
 use nalgebra::{SVector, Vector2};
 
-/// The zero vector. nalgebra's `zeros` goes through an iterator and the stack, which costs a tenth of a residual.
+/// The zero vector. nalgebra's `zeros` goes through an iterator and the stack, which costs a tenth
+/// of a residual.
 #[inline(always)]
 pub fn zero_vector<T: Real, const D: usize>() -> SVector<T, D> {
     SVector::from([T::zero(); D])

@@ -30,7 +30,8 @@ pub trait Real:
     + Mul<f64, Output = Self>
     + Mul<<Self as Real>::Constant, Output = Self>
 {
-    /// The same without derivatives. Mesh constants have this type: they differ between the cells of a pack.
+    /// The same without derivatives. Mesh constants have this type: they differ between the cells
+    /// of a pack.
     type Constant: Real<Constant = Self::Constant>;
 
     /// A number without derivatives.
@@ -67,7 +68,8 @@ pub trait Real:
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
 
-    /// Angle of the point (`x`, `self`) against the first axis, −π to π. At the origin it has no derivatives.
+    /// Angle of the point (`x`, `self`) against the first axis, −π to π. At the origin it has no
+    /// derivatives.
     #[must_use]
     fn atan2(self, x: Self) -> Self;
 
@@ -83,7 +85,8 @@ pub trait Real:
     #[must_use]
     fn smooth_plus(self, delta: f64) -> [Self; 3];
 
-    /// δ ln(1 + e^{x/δ}), its slope and its second derivative: a positive part whose tail falls off exponentially.
+    /// δ ln(1 + e^{x/δ}), its slope and its second derivative: a positive part whose tail falls off
+    /// exponentially.
     #[must_use]
     fn soft_plus(self, delta: f64) -> [Self; 3];
 

@@ -32,7 +32,8 @@ pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
 /// The same where the positive part `plus` = δ ln(1 + e^{x/δ}) is known.
 #[inline(always)]
 pub fn soft_plus_energy_at<T: Real>(x: T, plus: T, delta: f64) -> T {
-    // −Li₂(−z) in powers of l = ln(1 + z) ≤ ln 2; the coefficients are B_n/(n + 1)!. The next term is below 1e-14.
+    // −Li₂(−z) in powers of l = ln(1 + z) ≤ ln 2; the coefficients are B_n/(n + 1)!. The next term
+    // is below 1e-14.
     let of_log = |l: T| {
         let square = l * l;
         let odd = [

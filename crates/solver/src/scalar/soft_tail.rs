@@ -1,12 +1,15 @@
-//! e^−x and ln(1 + e^−x) of packs. The library's exponential and logarithm serve all numbers; half of their work is for
-//! numbers that don't occur here, and the soft positive part was a fifth of a run.
+//! e^−x and ln(1 + e^−x) of packs. The library's exponential and logarithm serve all numbers; half
+//! of their work is for numbers that don't occur here, and the soft positive part was a fifth of a
+//! run.
 
 use super::real::Real;
 
-/// ln 2 in two parts; the first has so few digits that its product with a small whole number is exact.
+/// ln 2 in two parts; the first has so few digits that its product with a small whole number is
+/// exact.
 const LN2: [f64; 2] = [0.693_145_751_953_125, 1.428_606_820_309_417_2e-6];
 
-/// Adding it rounds a small number to a whole one, which stands with an exponent's bias in the last bits.
+/// Adding it rounds a small number to a whole one, which stands with an exponent's bias in the last
+/// bits.
 const ROUND: f64 = 6_755_399_441_055_744.0 + 1023.0;
 
 /// e^r on |r| ≤ ½ ln 2, highest power first: the polynomial of least error, 2.2e-16.
@@ -38,7 +41,8 @@ const ARTANH: [f64; 10] = [
     1.0,
 ];
 
-/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x), for 0 ≤ x ≤ [`EXP_CUTOFF`](super::real::EXP_CUTOFF). `to_exponents` moves the last bits of each number to its exponent.
+/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x), for 0 ≤ x ≤ [`EXP_CUTOFF`](super::real::EXP_CUTOFF).
+/// `to_exponents` moves the last bits of each number to its exponent.
 #[inline(always)]
 pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> [T; 3] {
     let shifted = x * -std::f64::consts::LOG2_E + ROUND;

@@ -33,7 +33,8 @@ impl<const N: usize, L: Real> Tangent<N, L> {
         }
     }
 
-    /// `value` with the derivative `slope` in `direction`; a constant if there is no such direction.
+    /// `value` with the derivative `slope` in `direction`; a constant if there is no such
+    /// direction.
     #[inline(always)]
     #[must_use]
     pub fn seed(value: L, direction: usize, slope: f64) -> Self {

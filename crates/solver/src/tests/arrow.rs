@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use super::super::arrow::{Arrow, ArrowLu, Shape};
 use super::numbers;
 
-/// An arrow matrix with random entries, and the same as a dense one. Diagonals are made heavier, for blocks are
-/// factored without exchange between them.
+/// An arrow matrix with random entries, and the same as a dense one. Diagonals are made heavier,
+/// for blocks are factored without exchange between them.
 fn random(shape: Shape, order: &[usize], seed: u32) -> (Arrow, DMatrix<f64>) {
     let n = shape.len();
     let mut arrow = Arrow::new(shape);
@@ -27,7 +27,8 @@ fn random(shape: Shape, order: &[usize], seed: u32) -> (Arrow, DMatrix<f64>) {
     (arrow, dense)
 }
 
-/// Asserts that product and solution are the dense ones, in a workspace that may have factors of another matrix.
+/// Asserts that product and solution are the dense ones, in a workspace that may have factors of
+/// another matrix.
 fn assert_like_dense(lu: &mut ArrowLu, shape: Shape, order: &[usize], seed: u32) {
     let n = shape.len();
     let (arrow, dense) = random(shape, order, seed);

@@ -40,7 +40,8 @@ fn a_step_without_error_control_is_one_with_it() {
     assert_eq!(first, second);
 }
 
-/// Where a step of an oscillator far from its limit cycle leads with so much more work at a time, and how often it was open.
+/// Where a step of an oscillator far from its limit cycle leads with so much more work at a time,
+/// and how often it was open.
 fn in_parts(more: f64, stored: bool) -> (State, u32) {
     let mut system = Test::new(VanDerPol { damping: 1.0 });
     system.newton_scale = [1e-5];
@@ -76,7 +77,8 @@ fn in_parts(more: f64, stored: bool) -> (State, u32) {
     panic!("never over");
 }
 
-/// A step that was open several times ends where one ends that was not, also if it is stored and read in between.
+/// A step that was open several times ends where one ends that was not, also if it is stored and
+/// read in between.
 #[test]
 fn a_step_continues_where_its_work_was_used_up() {
     let (whole, once) = in_parts(1e3, false);

@@ -85,7 +85,8 @@ fn nothing_is_found_beyond_the_fold() {
 
 #[test]
 fn an_arch_stands_until_it_snaps() {
-    // Just below the fold from the right side it comes to rest on the near branch: q³ − q = λ with q < −1/√3.
+    // Just below the fold from the right side it comes to rest on the near branch: q³ − q = λ with
+    // q < −1/√3.
     let edge = -1.0 / 3.0_f64.sqrt();
     let snap = (4.0 / 27.0_f64).sqrt();
     let load = 0.999 * snap;

@@ -32,8 +32,8 @@ fn ladder<E: Solved<N>, const N: usize>(equations: E) -> [Vec<f64>; 2] {
     [0, 1].map(|k| errors.iter().map(|error| error[k]).collect())
 }
 
-/// A method that is stiffly accurate keeps its order where a row has no rate, in both unknowns (Hairer and Wanner,
-/// Solving Ordinary Differential Equations II, section VI.1).
+/// A method that is stiffly accurate keeps its order where a row has no rate, in both unknowns
+/// (Hairer and Wanner, Solving Ordinary Differential Equations II, section VI.1).
 #[test]
 fn order_is_two() {
     fn check<E: Solved<N>, const N: usize>(equations: E, what: &str) {
@@ -55,9 +55,10 @@ fn resting(system: &Test<VanDerPol, 1>) -> State {
     system.at([0.0], [-2.0], [2.0])
 }
 
-/// Under h λ → ∞ a stiffly accurate method whose stages have order 1 is left with an error of h²/(hλ) = h/λ (Hairer and
-/// Wanner, Solving Ordinary Differential Equations II, section IV.15): of first order in the step, but it vanishes
-/// with the stiffness. Worse is an order reduction beyond theory.
+/// Under h λ → ∞ a stiffly accurate method whose stages have order 1 is left with an error of
+/// h²/(hλ) = h/λ (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.15): of
+/// first order in the step, but it vanishes with the stiffness. Worse is an order reduction beyond
+/// theory.
 #[test]
 fn stiff_errors_are_those_of_theory() {
     let [soft, hard] = [1e6, 1e7].map(|rate| ladder(ProtheroRobinson { rate })[0].clone());
@@ -88,9 +89,10 @@ fn estimate_is_of_third_order() {
     }
 }
 
-/// The weights that a step is measured against are of third order for quadrature: there the estimate is the error. Of
-/// the four conditions for third order they miss the one of slopes upon slopes, Σ b̂ᵢ aᵢⱼ cⱼ = 1/6. So for ẏ = −y,
-/// where no other counts, the estimate is the part Σ (b̂ᵢ − bᵢ) aᵢⱼ cⱼ of an error of 1/6 − Σ bᵢ aᵢⱼ cⱼ, times h³.
+/// The weights that a step is measured against are of third order for quadrature: there the
+/// estimate is the error. Of the four conditions for third order they miss the one of slopes upon
+/// slopes, Σ b̂ᵢ aᵢⱼ cⱼ = 1/6. So for ẏ = −y, where no other counts, the estimate is the part Σ
+/// (b̂ᵢ − bᵢ) aᵢⱼ cⱼ of an error of 1/6 − Σ bᵢ aᵢⱼ cⱼ, times h³.
 #[test]
 fn estimate_is_the_error_of_quadrature() {
     let [estimate, error] = one_step(&mut Test::new(Quadrature {}), 1e-3);
@@ -111,8 +113,8 @@ fn estimate_is_the_error_of_quadrature() {
     );
 }
 
-/// Steps are accepted where an estimate c h³ meets the tolerance, and h² is left at the end: so a tenth of the tolerance leaves
-/// 10^(−2/3) = 0.22 of the error.
+/// Steps are accepted where an estimate c h³ meets the tolerance, and h² is left at the end: so a
+/// tenth of the tolerance leaves 10^(−2/3) = 0.22 of the error.
 #[test]
 fn error_falls_with_the_tolerance() {
     fn check<E: Solved<N>, const N: usize>(equations: E, to: f64, pinned: [u64; 5], what: &str) {
@@ -160,8 +162,9 @@ fn relaxation_oscillation() {
     assert!(most > 300.0 * least, "{least} {most}");
 }
 
-/// Work depends on the stiffness no more once it is large. It is some times that of a soft problem: slopes of stiff
-/// unknowns are of the stages' first order, so there the estimate is of second order in the step instead of third.
+/// Work depends on the stiffness no more once it is large. It is some times that of a soft problem:
+/// slopes of stiff unknowns are of the stages' first order, so there the estimate is of second
+/// order in the step instead of third.
 #[test]
 fn work_is_bounded_in_the_stiffness() {
     let [soft, stiff, stiffer] = [1.0, 1e5, 1e8].map(|rate| {
@@ -173,7 +176,8 @@ fn work_is_bounded_in_the_stiffness() {
     });
     assert_work(soft, [105, 9, 0, 562, 26], "soft");
     assert_work(stiff, [508, 15, 0, 1748, 38], "stiff");
-    // The number of steps depends on where a step is rejected; the work is what it takes together, a Jacobian as twelve residuals.
+    // The number of steps depends on where a step is rejected; the work is what it takes together,
+    // a Jacobian as twelve residuals.
     let [most, found] = [stiff, stiffer].map(|[.., residuals, jacobians]| residuals + 12 * jacobians);
     assert!(found <= most + most / 50, "{stiff:?} {stiffer:?}");
 }
@@ -186,7 +190,8 @@ equations! {
     }
 }
 
-/// What Newton's method can't solve in one step, the control of the step size solves in shorter ones.
+/// What Newton's method can't solve in one step, the control of the step size solves in shorter
+/// ones.
 #[test]
 fn a_stiff_contact_is_met_in_shorter_steps() {
     let mut system = Test::new(Bouncing {});
@@ -198,8 +203,8 @@ fn a_stiff_contact_is_met_in_shorter_steps() {
     assert_work(work(counts), [235, 82, 15, 2350, 319], "");
 }
 
-/// Accepted steps fill the time without a gap, the last ends exactly at the given time, and each was no longer than the
-/// longest.
+/// Accepted steps fill the time without a gap, the last ends exactly at the given time, and each
+/// was no longer than the longest.
 #[test]
 fn steps_fill_the_time() {
     let mut system = Test::new(Forced {});
@@ -262,7 +267,8 @@ equations! {
     BlowUp {}: 1, false, |self, _, [y], [y_dot], _| [y_dot - y * y]
 }
 
-/// A step that falls below the smallest is an error that names the time reached, and the state is that of then.
+/// A step that falls below the smallest is an error that names the time reached, and the state is
+/// that of then.
 #[test]
 fn a_stalled_step_is_reported() {
     let mut system = Test::new(BlowUp {});

@@ -5,7 +5,8 @@ use super::super::newton::{Newton, Stage, Unsolved};
 use super::assert_work;
 use super::problems::{Equations, Real, Test, equations};
 
-/// Solves a stage in which ẏ = y and q = y from a guess, with the factors and rates that Newton's method has from before.
+/// Solves a stage in which ẏ = y and q = y from a guess, with the factors and rates that Newton's
+/// method has from before.
 fn solve<E: Equations<N>, const N: usize>(
     newton: &mut Newton,
     system: &mut Test<E, N>,
@@ -29,7 +30,8 @@ fn fresh<E: Equations<N>, const N: usize>(
     (found, [newton.counts.residuals, newton.counts.factorizations])
 }
 
-/// Solves one equation anew; the solution must be `expected`, the residual evaluations and factorizations `work`.
+/// Solves one equation anew; the solution must be `expected`, the residual evaluations and
+/// factorizations `work`.
 fn assert_solves<E: Equations<1>>(equations: E, guess: f64, expected: f64, work: [u64; 2]) {
     let (found, done) = fresh(equations, [guess]);
     let [found] = found.unwrap();
@@ -84,7 +86,8 @@ fn a_stiff_wall_is_met_and_left() {
         force: 5.0,
     };
     assert_solves(soft, -1.0, 5.0 / 6.0, [7, 2]);
-    // From before a stiff wall no damped step shortens the correction: the next guess, of a shorter step, must do.
+    // From before a stiff wall no damped step shortens the correction: the next guess, of a shorter
+    // step, must do.
     let (found, done) = fresh(wall(5.0), [-1.0]);
     assert_eq!(found, Err(Unsolved::NoSolution));
     assert_work(done, [48, 5], "");
@@ -114,7 +117,8 @@ fn friction_that_saturates() {
     let (found, done) = fresh(friction(1.0, 1.5), [0.0]);
     assert!((found.unwrap()[0] - 0.5).abs() < 1e-5);
     assert_work(done, [10, 4], "sliding");
-    // With next to no mass every step overshoots where it sticks: a search that has found no better place goes on.
+    // With next to no mass every step overshoots where it sticks: a search that has found no better
+    // place goes on.
     let light = friction(1e-3, 0.5);
     let (found, done) = fresh(friction(1e-3, 0.5), [10.0]);
     let [left] = light.residual(0.0, found.unwrap(), [0.0], [0.0]);
@@ -183,7 +187,8 @@ impl Springs {
     }
 }
 
-/// A Jacobian serves the next stages while it contracts; once it does not, or may not be used again, another is made.
+/// A Jacobian serves the next stages while it contracts; once it does not, or may not be used
+/// again, another is made.
 #[test]
 fn a_stale_jacobian_is_renewed() {
     let mut system = Test::new(Springs {

@@ -28,7 +28,8 @@ pub trait Solved<const N: usize>: Equations<N> {
     fn exact<T: Real>(&self, time: T) -> [[T; N]; 2];
 }
 
-/// Equations as a system: they stand in the border of the matrix, beside a loop of blocks that do nothing.
+/// Equations as a system: they stand in the border of the matrix, beside a loop of blocks that do
+/// nothing.
 pub struct Test<E, const N: usize> {
     pub equations: E,
     has_position: Vec<bool>,
@@ -200,7 +201,8 @@ impl<E: Equations<N>, const N: usize> Evolution for Test<E, N> {
     }
 }
 
-/// N equations, whether their unknowns are rates of positions, and y and q of their solution if that is known.
+/// N equations, whether their unknowns are rates of positions, and y and q of their solution if
+/// that is known.
 macro_rules! equations {
     (
         $(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* }: $n:literal, $has_position:literal,

@@ -1,6 +1,8 @@
-//! Checks the links of the book, and of the pages in Markdown at the top level of the source tree; `cargo fmu docs` runs it.
+//! Checks the links of the book, and of the pages in Markdown at the top level of the source tree;
+//! `cargo fmu docs` runs it.
 //!
-//! It is a separate program, because the other commands need no parsers of HTML and Markdown and compile faster without them.
+//! It is a separate program, because the other commands need no parsers of HTML and Markdown and
+//! compile faster without them.
 
 mod page;
 mod site;

@@ -1,5 +1,5 @@
-//! Links inside a folder of pages: each must lead to an existing file and anchor. No page may load content from
-//! elsewhere, so that it can be read offline. Links to other sites are not followed.
+//! Links inside a folder of pages: each must lead to an existing file and anchor. No page may load
+//! content from elsewhere, so that it can be read offline. Links to other sites are not followed.
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
@@ -26,7 +26,8 @@ impl Site {
         }
     }
 
-    /// Errors in the links of every HTML page and style sheet in this folder, except in `except` below it.
+    /// Errors in the links of every HTML page and style sheet in this folder, except in `except`
+    /// below it.
     ///
     /// # Errors
     /// A file can't be read.

@@ -9,8 +9,8 @@ use pushbelt::solver::{System, View};
 use pushbelt_paper::ring::model::RingFormulation;
 use std::f64::consts::TAU;
 
-/// Tolerance of Newton's method for a change of the shape, in units of the length L. For thin rings it cannot be smaller:
-/// rounding in the tension bends them by 1e-16·EA L²/EI.
+/// Tolerance of Newton's method for a change of the shape, in units of the length L. For thin rings
+/// it cannot be smaller: rounding in the tension bends them by 1e-16·EA L²/EI.
 const NEWTON_ACCURACY: f64 = 1.0e-9;
 
 impl<M: RingFormulation<D, N>, const D: usize, const N: usize> System for RingSystem<M, D, N> {
@@ -73,7 +73,8 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> System for RingSy
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
         let length = self.model.length();
         let ring = self.model.ring();
-        // Velocity errors accumulate over many short steps, so their scale is the slowest bending wave, not the step.
+        // Velocity errors accumulate over many short steps, so their scale is the slowest bending
+        // wave, not the step.
         let wave = (ring.bending_stiffness / ring.mass_per_length).sqrt() * (TAU / length).powi(2);
         let rate = if wave > 0.0 {
             wave.min(1.0 / beta)

@@ -13,8 +13,9 @@ const TOLERANCE: f64 = 1.0e-5;
 pub struct RingSystem<M, const D: usize = 2, const N: usize = DIRECTIONS> {
     /// The ring model on its mesh.
     pub model: M,
-    /// Tolerance of the position error of a step, in units of L (deflection, drift) and 1 (slope, Θ). If infinite, every
-    /// step is accepted and the step size is the largest step of the integrator.
+    /// Tolerance of the position error of a step, in units of L (deflection, drift) and 1 (slope,
+    /// Θ). If infinite, every step is accepted and the step size is the largest step of the
+    /// integrator.
     pub tolerance: f64,
     /// Unknowns held at zero rate.
     pub held: Vec<usize>,

@@ -1,8 +1,10 @@
-//! The ring alone, free in the plane or in space, as an implicit system: no stack, contact or pulleys (paper 5.3).
+//! The ring alone, free in the plane or in space, as an implicit system: no stack, contact or
+//! pulleys (paper 5.3).
 //!
 //! ∫ m_r Pᵀ Dv/Dt dξ + ∂V/∂q + damping = 0 (25) for any
-//! [`RingFormulation`](pushbelt_paper::ring::model::RingFormulation). Unknowns are the rates: blocks of the model
-//! around the loop, then ṡ and Θ̇ in the border, so the Jacobian is an arrow matrix for every model.
+//! [`RingFormulation`](pushbelt_paper::ring::model::RingFormulation). Unknowns are the rates:
+//! blocks of the model around the loop, then ṡ and Θ̇ in the border, so the Jacobian is an arrow
+//! matrix for every model.
 //!
 //! | file | content |
 //! |---|---|

@@ -19,8 +19,8 @@ pub(super) fn shape<M: RingFormulation<D, N>, const D: usize, const N: usize>(mo
     }
 }
 
-/// Motion of an element's unknowns: `read` returns unknown k of the element from a vector, `seed` makes a scalar from a
-/// value, its direction and its derivative.
+/// Motion of an element's unknowns: `read` returns unknown k of the element from a vector, `seed`
+/// makes a scalar from a value, its direction and its derivative.
 #[inline(always)]
 pub(super) fn coordinates<W, T: Real, const N: usize>(
     view: View<'_>,

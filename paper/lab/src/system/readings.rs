@@ -58,8 +58,8 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
             .sum()
     }
 
-    /// Dense mass matrix M(q) = ∫ m_r PᵀP dξ (16), without held unknowns. The columns of P are the velocities at unit
-    /// rates.
+    /// Dense mass matrix M(q) = ∫ m_r PᵀP dξ (16), without held unknowns. The columns of P are the
+    /// velocities at unit rates.
     #[must_use]
     pub fn mass_matrix(&self, q: &[f64]) -> DMatrix<f64> {
         let n = q.len();

@@ -16,7 +16,8 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         self.at_rest(theta, |model, q| model.place_on_curve(q))
     }
 
-    /// At rest on a shape: (r, r') at ξ. Nodes are on it exactly, the inside of an element approximately.
+    /// At rest on a shape: (r, r') at ξ. Nodes are on it exactly, the inside of an element
+    /// approximately.
     #[must_use]
     pub fn rest_on(&self, theta: f64, shape: RingShape<'_, D>) -> State {
         self.at_rest(theta, |model, q| model.place_on(shape, q))
@@ -70,9 +71,9 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         Ok(())
     }
 
-    /// Relaxes a ring at rest towards equilibrium by `count` implicit steps of size `step`, s, each followed by zero
-    /// velocities. Modes that are stiff for `step` relax; soft modes hardly move. This removes the stretch of cubic
-    /// elements after [`RingSystem::rest_on`].
+    /// Relaxes a ring at rest towards equilibrium by `count` implicit steps of size `step`, s, each
+    /// followed by zero velocities. Modes that are stiff for `step` relax; soft modes hardly move.
+    /// This removes the stretch of cubic elements after [`RingSystem::rest_on`].
     ///
     /// # Errors
     /// The step size fell below the integrator's smallest.
