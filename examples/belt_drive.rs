@@ -65,9 +65,7 @@ fn run(arguments: &Arguments) -> Result<(Duration, String), Box<dyn Error>> {
         Model::Ale0 => RingModel::Ale0,
     };
     let mut parameters = variator(ring);
-    parameters.friction.velocity = arguments
-        .friction_velocity
-        .unwrap_or(parameters.friction.velocity);
+    parameters.friction.velocity = arguments.friction_velocity.unwrap_or(parameters.friction.velocity);
     let mut driven = Driven::new(arguments.load, parameters, arguments.ratio);
     let steps = (arguments.seconds / arguments.load.step()).round();
     let mut series = String::from("time,primary,secondary,torque_p,torque_s,slip,belt\n");

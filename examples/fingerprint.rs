@@ -27,12 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let all = trace.len();
     report.run("ALE", Variator::new(launch(RingModel::Ale))?, &trace, all)?;
     let one_cell = with(&|p| p.mesh.cells_per_element = 1);
-    report.run(
-        "ALE, one cell an element",
-        Variator::new(one_cell)?,
-        &trace,
-        all / 5,
-    )?;
+    report.run("ALE, one cell an element", Variator::new(one_cell)?, &trace, all / 5)?;
     report.run("ALE0", Variator::new(launch(RingModel::Ale0))?, &trace, all)?;
     let in_space = with(&|p| (p.spatial, p.geometry.pulley_offset) = (true, 5e-4));
     report.run("ALE in space", Variator::new(in_space)?, &trace, 1000)?;

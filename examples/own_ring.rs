@@ -155,10 +155,7 @@ fn steady_states() {
             (off / ale - 1.0).abs() < 1e-6,
             "without stiffening it is not ALE: {off} {ale}"
         );
-        assert!(
-            (on / ale - 1.0).abs() > 1e-5,
-            "stiffening has no effect: {on} {ale}"
-        );
+        assert!((on / ale - 1.0).abs() > 1e-5, "stiffening has no effect: {on} {ale}");
     }
 }
 
@@ -166,11 +163,7 @@ fn steady_states() {
 /// energy.
 fn shift() {
     let ring = Arc::new(Stiffening { factor: FACTOR });
-    let mut run = Run::with_ring(
-        variator(RingModel::Ale),
-        ring,
-        inputs((20.0, 12e3), (-20.0, 10e3)),
-    );
+    let mut run = Run::with_ring(variator(RingModel::Ale), ring, inputs((20.0, 12e3), (-20.0, 10e3)));
     run.inputs.primary.clamping_force = 16e3;
     let outputs = run.go(0.05, 1e-3);
     println!(

@@ -124,11 +124,7 @@ fn clearance(p: &mut Parameters, factor: f64) {
 }
 
 fn mesh(p: &mut Parameters, times: i32, over: i32) {
-    for count in [
-        &mut p.mesh.primary_arc,
-        &mut p.mesh.secondary_arc,
-        &mut p.mesh.strand,
-    ] {
+    for count in [&mut p.mesh.primary_arc, &mut p.mesh.secondary_arc, &mut p.mesh.strand] {
         *count = *count * times / over;
     }
 }

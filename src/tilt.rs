@@ -83,11 +83,7 @@ impl Tilt {
             return 0.5 * self.stiffness * square;
         }
         let stored = |amplitude: f64| {
-            smooth_plus_energy(
-                amplitude - self.clearance,
-                BEARING * self.clearance,
-                self.clearance,
-            )
+            smooth_plus_energy(amplitude - self.clearance, BEARING * self.clearance, self.clearance)
         };
         let beyond = stored(self.amplitude(psi)) - stored(ROUNDING * self.clearance);
         self.stiffness * (0.5 * SOFT * square + (1.0 - SOFT) * beyond)

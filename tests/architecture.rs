@@ -48,10 +48,7 @@ fn imports(module: &str, text: &str) -> Vec<String> {
         }
         let rest = &code[at..];
         let path = &rest[..rest.find(|c| !word(c)).unwrap_or(rest.len())];
-        assert!(
-            path != "crate::",
-            "{module}: import from `crate` by one path a room"
-        );
+        assert!(path != "crate::", "{module}: import from `crate` by one path a room");
         let mut base: Vec<&str> = module.split('/').collect();
         for part in path.split("::").filter(|part| !part.is_empty()) {
             match part {
@@ -113,9 +110,7 @@ fn rooms_use_only_rooms_above_them_in_the_list() {
 
 #[test]
 fn a_forbidden_import_is_found_in_every_spelling() {
-    let list: Vec<String> = ["ring", "variator/law", "variator/run"]
-        .map(str::to_string)
-        .to_vec();
+    let list: Vec<String> = ["ring", "variator/law", "variator/run"].map(str::to_string).to_vec();
     let problems_of = |module: &str, text: &str| {
         let files = BTreeMap::from([(module.to_string(), text.to_string())]);
         problems(&list, &files).len()

@@ -31,14 +31,8 @@ fn life(f: &Functions, of: &Description, choices: [i32; 2], spatial: bool) {
     // the results.
     unsafe {
         let c = (f.fmi2Instantiate)(c"variator".as_ptr(), 1, of.guid.as_ptr(), null(), null(), 0, 0);
-        assert_eq!(
-            (f.fmi2SetInteger)(c, of.choices.as_ptr(), 2, choices.as_ptr()),
-            OK
-        );
-        assert_eq!(
-            (f.fmi2SetBoolean)(c, &raw const of.spatial, 1, &spatial.into()),
-            OK
-        );
+        assert_eq!((f.fmi2SetInteger)(c, of.choices.as_ptr(), 2, choices.as_ptr()), OK);
+        assert_eq!((f.fmi2SetBoolean)(c, &raw const of.spatial, 1, &spatial.into()), OK);
         f.start(c);
         assert!([OK, WARNING].contains(&(f.pushbeltLinearize)(c, 100.0, &raw mut text)));
         (f.pushbeltFreeText)(text);
@@ -52,10 +46,7 @@ fn life(f: &Functions, of: &Description, choices: [i32; 2], spatial: bool) {
         assert_eq!((f.fmi2SerializedFMUstateSize)(c, state, &raw mut size), OK);
         let mut bytes = vec![0; size];
         assert_eq!((f.fmi2SerializeFMUstate)(c, state, bytes.as_mut_ptr(), size), OK);
-        assert_eq!(
-            (f.fmi2DeSerializeFMUstate)(c, bytes.as_ptr(), size, &raw mut read),
-            OK
-        );
+        assert_eq!((f.fmi2DeSerializeFMUstate)(c, bytes.as_ptr(), size, &raw mut read), OK);
         assert_eq!((f.fmi2SetFMUstate)(c, read), OK);
         (f.fmi2FreeFMUstate)(c, &raw mut read);
         (f.fmi2FreeFMUstate)(c, &raw mut state);
@@ -98,10 +89,7 @@ fn a_mesh_without_memory_is_an_error() {
     if std::env::var_os(WITHOUT_MEMORY).is_none() {
         let test = std::env::current_exe().expect("a test has a path");
         let mut child = Command::new(test);
-        let status = child
-            .args(["--exact", WITHOUT_MEMORY])
-            .env(WITHOUT_MEMORY, "")
-            .status();
+        let status = child.args(["--exact", WITHOUT_MEMORY]).env(WITHOUT_MEMORY, "").status();
         assert!(status.expect("the child starts").success());
         return;
     }
@@ -116,12 +104,7 @@ fn a_mesh_without_memory_is_an_error() {
     .map(reference);
     let c = f.instantiate();
     let memory = std::fs::read_to_string("/proc/self/statm").expect("Linux");
-    let pages: u64 = memory
-        .split(' ')
-        .next()
-        .expect("a number")
-        .parse()
-        .expect("pages");
+    let pages: u64 = memory.split(' ').next().expect("a number").parse().expect("pages");
     let limit = pages * 4096 + 100_000_000;
     let limit = libc::rlimit {
         rlim_cur: limit,

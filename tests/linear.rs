@@ -59,9 +59,7 @@ fn run(inputs: &Inputs, start: &Variator, times: &[f64]) -> Vec<Vec<f64>> {
 /// of 0.2 N·m the ratio already changes by 20 % less than in the linear model.
 #[test]
 fn the_linear_model_follows_small_steps_of_each_load() {
-    let read = OUTPUTS
-        .each_ref()
-        .map(|(_, _, read)| read as &dyn Fn(&Outputs) -> f64);
+    let read = OUTPUTS.each_ref().map(|(_, _, read)| read as &dyn Fn(&Outputs) -> f64);
     let model = linearise(&parameters(), &Inputs::default(), 100.0, &read).expect("a steady state");
     let start = started(parameters(), &model.inputs);
     let times = [0.01, 0.02, 0.05, 0.1, 0.2];
@@ -86,10 +84,7 @@ fn the_linear_model_follows_small_steps_of_each_load() {
                 let (found, linear) = (found[k], linear[k][i]);
                 let allowed = 0.05 * largest + noise / size;
                 let name = format!("{} → {name} at {time} s", load.name());
-                assert!(
-                    (found - linear).abs() < allowed,
-                    "{name}: {found} against {linear}"
-                );
+                assert!((found - linear).abs() < allowed, "{name}: {found} against {linear}");
             }
         }
     }
@@ -149,9 +144,7 @@ fn slow_poles_do_not_depend_on_the_cut_off() {
         });
         assert!(few.len() >= 2 && many.len() > few.len(), "{few:?} {many:?}");
         for pole in &few {
-            let apart = many
-                .iter()
-                .map(|other| (pole[0] - other[0]).hypot(pole[1] - other[1]));
+            let apart = many.iter().map(|other| (pole[0] - other[0]).hypot(pole[1] - other[1]));
             let nearest = apart.fold(f64::INFINITY, f64::min);
             let allowed = share * (about + pole[0].hypot(pole[1]));
             assert!(nearest < allowed, "{pole:?}: {nearest}");
@@ -205,10 +198,7 @@ fn no_oscillating_mode_of_a_steady_state_grows() {
             let inputs = inputs((torque, 12.0e3), (-torque * ratio, 12.0e3));
             let modes = modes(&parameters, &inputs, 2.0e4).expect("a steady state");
             let most = modes[0];
-            let swinging = modes
-                .iter()
-                .find(|mode| mode[1] > 0.0)
-                .expect("an oscillating mode");
+            let swinging = modes.iter().find(|mode| mode[1] > 0.0).expect("an oscillating mode");
             let grows = swinging[0] >= 6.0 || most[0] >= 6.0;
             assert!(modes.len() > 100 && !grows, "{ratio}, {torque} N·m: {most:?}");
         }
@@ -233,8 +223,5 @@ fn a_run_at_rest_has_the_linear_model_of_its_start() {
     inputs.primary.clamping_force += 3e3;
     variator.advance(0.1, &inputs).expect("a step");
     let moving = linearise_at(&mut variator, &inputs, 20.0, &[RATIO]).expect_err("it shifts");
-    assert!(
-        moving.to_string().contains("not a steady working point"),
-        "{moving}"
-    );
+    assert!(moving.to_string().contains("not a steady working point"), "{moving}");
 }

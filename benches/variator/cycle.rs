@@ -165,11 +165,7 @@ pub fn rides(table: &mut Table) {
         } = ride(parameters);
         table.row(
             &format!("1800 s like a WLTC, steps of 10 ms, {name}"),
-            format!(
-                "{seconds:.1} s, {:.1} x real time, {}",
-                END / seconds,
-                text(&counts)
-            ),
+            format!("{seconds:.1} s, {:.1} x real time, {}", END / seconds, text(&counts)),
             json!({"seconds": seconds, "real_time_factor": END / seconds, "counts": numbers(&counts)}),
         );
         table.row(

@@ -28,10 +28,7 @@ pub fn of_steady_states(table: &mut Table, model: RingModel, found: &[Option<f64
 }
 
 fn thrust_ratio_row(table: &mut Table, ring: &str, (found, fine): (&[Option<f64>], &[Option<f64>])) {
-    let both = found
-        .iter()
-        .zip(fine)
-        .filter_map(|(a, b)| Some((*a)? / (*b)? - 1.0));
+    let both = found.iter().zip(fine).filter_map(|(a, b)| Some((*a)? / (*b)? - 1.0));
     let (count, largest) = both.fold((0, 0.0_f64), |(n, most), error| (n + 1, most.max(error.abs())));
     table.row(
         &format!("  their largest error of the thrust ratio, {ring}"),
@@ -143,10 +140,7 @@ fn ladder_row(
 /// Differences of a column as shares of the range that it should have.
 fn off(found: &[Vec<f64>], exact: &[Vec<f64>], k: usize) -> impl Iterator<Item = f64> {
     let range = range(exact, k);
-    found
-        .iter()
-        .zip(exact)
-        .map(move |(a, b)| (a[k] - b[k]).abs() / range)
+    found.iter().zip(exact).map(move |(a, b)| (a[k] - b[k]).abs() / range)
 }
 
 fn range(rows: &[Vec<f64>], k: usize) -> f64 {

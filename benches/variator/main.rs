@@ -197,9 +197,8 @@ fn quantiles<const N: usize>(values: &[f64], shares: [f64; N]) -> [f64; N] {
 fn steady_states(table: &mut Table, options: &Options) {
     let quick = options.quick;
     for model in MODELS {
-        let (time, (counts, ratios)) = best(if quick { 1 } else { 5 }, || {
-            nine_steady_states(variator(model), 1)
-        });
+        let (time, (counts, ratios)) =
+            best(if quick { 1 } else { 5 }, || nine_steady_states(variator(model), 1));
         let solved = ratios.iter().flatten().count();
         table.row(
             &format!("nine steady states, cold, {model:?}"),

@@ -34,10 +34,7 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 fn draw_growth(area: &Area<'_>, growth: &[[Pieces; 3]; 2]) -> Result<(), Box<dyn Error>> {
     let elements = growth[0].each_ref().map(|p| p.elements as f64);
     let times = growth.iter().flatten().map(|p| 1e3 * p.whole());
-    let (least, most) = (
-        times.clone().fold(f64::INFINITY, f64::min),
-        times.fold(0.0, f64::max),
-    );
+    let (least, most) = (times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max));
     let mut chart = ChartBuilder::on(area)
         .caption("Residual, Jacobian, factors and solution", ("sans-serif", 16))
         .margin(12)
@@ -47,16 +44,9 @@ fn draw_growth(area: &Area<'_>, growth: &[[Pieces; 3]; 2]) -> Result<(), Box<dyn
             (0.9 * elements[0]..1.1 * elements[2]).log_scale(),
             (0.7 * least..1.4 * most).log_scale(),
         )?;
-    chart
-        .configure_mesh()
-        .x_desc("elements")
-        .y_desc("time, ms")
-        .draw()?;
+    chart.configure_mesh().x_desc("elements").y_desc("time, ms").draw()?;
     for ((pieces, name), colour) in growth.iter().zip(NAMES).zip(COLOURS) {
-        let points: Vec<(f64, f64)> = pieces
-            .iter()
-            .map(|p| (p.elements as f64, 1e3 * p.whole()))
-            .collect();
+        let points: Vec<(f64, f64)> = pieces.iter().map(|p| (p.elements as f64, 1e3 * p.whole())).collect();
         chart.draw_series(points.iter().map(|point| Circle::new(*point, 4, colour.filled())))?;
         chart
             .draw_series(LineSeries::new(points, colour.stroke_width(2)))?

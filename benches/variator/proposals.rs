@@ -43,10 +43,7 @@ fn separated(table: &mut Table) {
     let overlay = overlay(&layout).map(|(place, _)| place).chain(gauge).collect();
     let jacobians = STEPS.map(|h| jacobian(&mut steady, 1.0 / (GAMMA * h)));
     let rest = |part: &[usize]| (0..n).filter(|i| !part.contains(i)).collect::<Vec<_>>();
-    for (name, part) in [
-        ("s and Theta | all else", reference),
-        ("overlay | all else", overlay),
-    ] {
+    for (name, part) in [("s and Theta | all else", reference), ("overlay | all else", overlay)] {
         let other = rest(&part);
         let found = jacobians.each_ref().map(|jacobian| {
             let block =

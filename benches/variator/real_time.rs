@@ -85,11 +85,7 @@ fn row(
     let units = quantiles(&work, [0.5, 0.99, 1.0]);
     let latest = behind.iter().copied().fold(0.0, f64::max);
     let (text, off) = errors(&found, exact);
-    let first = |trace: &Trace| {
-        trace
-            .first_slip()
-            .map(|step| 1e3 * load.step() * (step + 1) as f64)
-    };
+    let first = |trace: &Trace| trace.first_slip().map(|step| 1e3 * load.step() * (step + 1) as f64);
     table.row(
         &format!("{} {load:?}, ratio {ratio}, {ring}, effort {effort}", load.letter()),
         format!(

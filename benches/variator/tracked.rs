@@ -51,14 +51,8 @@ pub fn measure(table: &mut Table, letters: &str, seconds: f64) {
                     let found = trace(load, &parameters, ratio, seconds, |_| ());
                     let (text, off) = errors(&found, &exact);
                     table.row(
-                        &format!(
-                            "{} {load:?}, ratio {ratio}, {ring:?}, {tolerance:e}",
-                            load.letter()
-                        ),
-                        format!(
-                            "{text}; {:.3} % of the energy unaccounted",
-                            100.0 * found.unaccounted
-                        ),
+                        &format!("{} {load:?}, ratio {ratio}, {ring:?}, {tolerance:e}", load.letter()),
+                        format!("{text}; {:.3} % of the energy unaccounted", 100.0 * found.unaccounted),
                         json!({
                             "load": load.letter().to_string(),
                             "ratio": ratio,

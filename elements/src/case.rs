@@ -107,9 +107,7 @@ impl Case {
     /// Torque of the load on the secondary shaft, N·m.
     pub fn torque(&self) -> f64 {
         let (of, cos_beta) = (&self.parameters, self.parameters.geometry.wedge_angle.cos());
-        let radius = of
-            .pitch_radii(self.ratio)
-            .map_or(f64::NAN, |(_, secondary)| secondary);
+        let radius = of.pitch_radii(self.ratio).map_or(f64::NAN, |(_, secondary)| secondary);
         self.share * full_slip_torque(&of.friction, cos_beta, self.options.force, radius)
     }
 

@@ -61,16 +61,13 @@ fn steady(case: &Case, ring: RingModel, mesh: i32) -> Result<Outputs, String> {
     of.initial.ratio = case.ratio;
     for _ in 0..TRIALS {
         let mut variator = Variator::new(of.clone()).map_err(|error| error.to_string())?;
-        variator
-            .initialise(0.0, &inputs)
-            .map_err(|error| error.to_string())?;
+        variator.initialise(0.0, &inputs).map_err(|error| error.to_string())?;
         let messages = variator.take_messages();
         let outputs = variator.outputs().clone();
         if outputs.start_state != StartState::Steady {
-            return Err(messages.first().map_or_else(
-                || "no steady state".to_owned(),
-                |message| message.text.to_string(),
-            ));
+            return Err(messages
+                .first()
+                .map_or_else(|| "no steady state".to_owned(), |message| message.text.to_string()));
         }
         let excess = outputs.ratio_geometric / case.ratio;
         if (excess - 1.0).abs() < RATIO {

@@ -40,10 +40,7 @@ impl Tridiagonal {
                 eliminate(i, i + 1, off[i]);
             }
         }
-        let (left, right) = (
-            off[middle - 1] * inverse[middle - 1],
-            off[middle] * inverse[middle + 1],
-        );
+        let (left, right) = (off[middle - 1] * inverse[middle - 1], off[middle] * inverse[middle + 1]);
         inverse[middle] = 1.0 / (diagonal[middle] - left * off[middle - 1] - right * off[middle]);
         let row = rows[middle] - left * rows[middle - 1] - right * rows[middle + 1];
         rows[middle] = row * inverse[middle];
@@ -122,10 +119,7 @@ impl Pentadiagonal {
         let right = [x[m] - right[0], x[m + 1] - right[1]];
         let columns = [of(&|i| border[i].re), of(&|i| border[i].im)];
         let [pp, pq] = [diagonal[m] + 6.0 * weight - columns[0][0], near - columns[1][0]];
-        let [qp, qq] = [
-            near - columns[0][1],
-            diagonal[m + 1] + 6.0 * weight - columns[1][1],
-        ];
+        let [qp, qq] = [near - columns[0][1], diagonal[m + 1] + 6.0 * weight - columns[1][1]];
         let determinant = pp * qq - pq * qp;
         x[m] = (right[0] * qq - right[1] * pq) / determinant;
         x[m + 1] = (right[1] * pp - right[0] * qp) / determinant;
@@ -141,9 +135,7 @@ mod tests {
     use super::*;
 
     fn numbers(n: usize, seed: usize) -> Vec<f64> {
-        (0..n)
-            .map(|i| ((i * 37 + seed * 11) % 19) as f64 * 0.1 - 0.7)
-            .collect()
+        (0..n).map(|i| ((i * 37 + seed * 11) % 19) as f64 * 0.1 - 0.7).collect()
     }
 
     #[test]
@@ -165,10 +157,7 @@ mod tests {
             for i in 0..n {
                 let at = |k: usize| x[(i + n + k - 2) % n];
                 let bent = at(0) - 4.0 * at(1) + 6.0 * at(2) - 4.0 * at(3) + at(4);
-                assert!(
-                    (diagonal[i] * x[i] + 2.3 * bent - rhs[i]).abs() < 1e-11,
-                    "{n}, {i}"
-                );
+                assert!((diagonal[i] * x[i] + 2.3 * bent - rhs[i]).abs() < 1e-11, "{n}, {i}");
             }
         }
     }

@@ -168,11 +168,7 @@ impl Flanks {
             load.tilting += around * (axial * touch.rho);
             let stiff = (touch.damping + touch.stiffness * dt) * cos_beta + touch.drag * sin_beta * sin_beta;
             let stiff = stiff * touch.rho * touch.rho;
-            let squares = [
-                around.re * around.re,
-                around.re * around.im,
-                around.im * around.im,
-            ];
+            let squares = [around.re * around.re, around.re * around.im, around.im * around.im];
             for (sum, part) in load.resistance.iter_mut().zip(squares) {
                 *sum += stiff * part;
             }

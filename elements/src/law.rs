@@ -93,11 +93,7 @@ impl Law {
         let innermost = belt.pitch_offset - 0.5 * f64::from(layers.count - 1) * layers.thickness;
         let lever = options.lever.unwrap_or(innermost);
         if lever.is_nan() || lever < 0.0 {
-            return error(
-                "lever",
-                lever,
-                "at least 0: the saddle lies outside the rocking edge",
-            );
+            return error("lever", lever, "at least 0: the saddle lies outside the rocking edge");
         }
         let pitch_length = geometry.belt_length - std::f64::consts::TAU * belt.pitch_offset;
         let (name, thickness) = ("belt.elementThickness", belt.element_thickness);

@@ -48,10 +48,7 @@ macro_rules! cut {
 #[cfg(test)]
 #[track_caller]
 fn near(found: f64, expected: f64, within: f64) {
-    assert!(
-        (found / expected - 1.0).abs() < within,
-        "{found} instead of {expected}"
-    );
+    assert!((found / expected - 1.0).abs() < within, "{found} instead of {expected}");
 }
 
 pub mod belt;

@@ -109,10 +109,7 @@ impl Machine {
             law,
         };
         let (law, belt, ring) = (&machine.law, &mut machine.belt, &mut machine.ring);
-        belt.p[1..=n]
-            .iter_mut()
-            .zip(points)
-            .for_each(|(p, point)| *p = point);
+        belt.p[1..=n].iter_mut().zip(points).for_each(|(p, point)| *p = point);
         belt.place();
         belt.turn.fill(0.0);
         ring.place(law, belt);
@@ -231,9 +228,7 @@ impl Machine {
         bend *= of.bending_stiffness * self.law.options.curvature_damping * of.mass_per_length;
         let [s, p] = &self.loads;
         let viscous = s.viscous + p.viscous;
-        let powers = [
-            s.friction, p.friction, viscous, rubbed, oiled, damped, stretch, bend,
-        ];
+        let powers = [s.friction, p.friction, viscous, rubbed, oiled, damped, stretch, bend];
         for (entry, power) in self.ledger.0[4..12].iter_mut().zip(powers) {
             *entry += self.dt * power;
         }
@@ -277,10 +272,7 @@ impl Machine {
         for i in 1..=law.count {
             let (p, v, gap) = (belt.p[i], belt.v[i], belt.length[i] - law.thickness);
             if !(p.is_finite() && v.is_finite() && belt.w[i].is_finite() && belt.s[i].is_finite()) {
-                return fault(
-                    i,
-                    format!("its state is no number; a step smaller than {dt} s may do"),
-                );
+                return fault(i, format!("its state is no number; a step smaller than {dt} s may do"));
             }
             if v.im.abs() > LOST {
                 let advice = format!("a step smaller than {dt} s may hold it");
@@ -291,11 +283,7 @@ impl Machine {
                 return fault(i, format!("the gap behind it is {:.3} mm: {advice}", 1e3 * gap));
             }
         }
-        for (j, (name, of)) in ["secondary", "primary"]
-            .into_iter()
-            .zip(law.pulleys())
-            .enumerate()
-        {
+        for (j, (name, of)) in ["secondary", "primary"].into_iter().zip(law.pulleys()).enumerate() {
             let travel = Travel::new((of.min_radius, of.max_radius), law.r0, law.wedge[2]);
             let is_free = (travel.open..=travel.closed).contains(&self.pulleys[j].z);
             if !is_free && self.drive[j].1 != Cone::Held {

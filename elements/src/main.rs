@@ -103,12 +103,7 @@ fn case(arguments: &Arguments, name: &str) -> Result<Case, Box<dyn Error>> {
 /// Runs a case, or what is left of it.
 fn one(arguments: &Arguments, name: &str) -> Result<(), Box<dyn Error>> {
     let case = case(arguments, name)?;
-    let results = |name: &str| {
-        arguments
-            .results
-            .clone()
-            .unwrap_or_else(|| arguments.output.join(name))
-    };
+    let results = |name: &str| arguments.results.clone().unwrap_or_else(|| arguments.output.join(name));
     if arguments.continuum {
         for model in continuum::MODELS {
             let name = format!("{},{}", case.name, model.0);

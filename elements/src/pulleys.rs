@@ -68,10 +68,7 @@ impl Pulley {
     /// A step under the belt's load. Returns works and losses, J: at the shaft, on the cone, by
     /// drag of the shaft, damping of the cone, relaxation of the tilt.
     pub fn step(&mut self, of: &PulleyParameters, load: &Load, drive: (Shaft, Cone), dt: f64) -> [f64; 5] {
-        let drag = of
-            .drag
-            .loads(self.omega, [load.resultant.re, load.resultant.im])
-            .torque;
+        let drag = of.drag.loads(self.omega, [load.resultant.re, load.resultant.im]).torque;
         let before = self.omega;
         let torque = match drive.0 {
             Shaft::Speed => drag - load.torque,

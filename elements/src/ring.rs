@@ -168,11 +168,7 @@ mod tests {
         };
         let ring = forces(moved, 0.0);
         for (k, weight) in [1.0, -4.0, 6.0, -4.0, 1.0].into_iter().enumerate() {
-            near(
-                -ring.force[8 + k].im / moved,
-                law.bending_slope(dt) * weight,
-                1e-9,
-            );
+            near(-ring.force[8 + k].im / moved, law.bending_slope(dt) * weight, 1e-9);
         }
         let ring = forces(0.0, moved);
         for (k, weight) in [-1.0, 2.0, -1.0].into_iter().enumerate() {

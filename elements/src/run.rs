@@ -357,22 +357,20 @@ impl Run {
         let upper = mean(0.5 * s, 0.5 * (s + strand));
         let lower = mean(0.5 * (s + strand) + p, 0.5 * s + strand + p);
         let limit = IDLE_CHANGE * (upper - lower).abs();
-        [
-            (0, lower, 0.5 * s + strand + p, s),
-            (1, upper, 0.5 * (s + strand), p),
-        ]
-        .map(|(j, entry, from, arc)| {
-            let first = (from / per_place).ceil();
-            let change = |k: usize| (push(first as usize + k) - entry).abs();
-            let mut places = 0..(arc / per_place) as usize;
-            let Some(k) = places.find(|k| change(*k) > limit) else {
-                return path.wraps()[j];
-            };
-            let before = if k > 0 { change(k - 1) } else { 0.0 };
-            let fraction = ((limit - before) / (change(k) - before)).clamp(0.0, 1.0);
-            let place = (first + k as f64 - 1.0 + fraction) * per_place;
-            ((place - from) / path.radii[j]).max(0.0)
-        })
+        [(0, lower, 0.5 * s + strand + p, s), (1, upper, 0.5 * (s + strand), p)].map(
+            |(j, entry, from, arc)| {
+                let first = (from / per_place).ceil();
+                let change = |k: usize| (push(first as usize + k) - entry).abs();
+                let mut places = 0..(arc / per_place) as usize;
+                let Some(k) = places.find(|k| change(*k) > limit) else {
+                    return path.wraps()[j];
+                };
+                let before = if k > 0 { change(k - 1) } else { 0.0 };
+                let fraction = ((limit - before) / (change(k) - before)).clamp(0.0, 1.0);
+                let place = (first + k as f64 - 1.0 + fraction) * per_place;
+                ((place - from) / path.radii[j]).max(0.0)
+            },
+        )
     }
 
     /// Rows so far, CSV.

@@ -110,9 +110,7 @@ mod tests {
             let n = law.count;
             let mut belt = Belt::new(n);
             belt.t.fill(1.0.into());
-            belt.p = (0..n + 2)
-                .map(|i| (i as f64 * (law.thickness + gap)).into())
-                .collect();
+            belt.p = (0..n + 2).map(|i| (i as f64 * (law.thickness + gap)).into()).collect();
             Self {
                 force: vec![0.0; n],
                 stack: Stack::new(n),

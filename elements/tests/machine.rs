@@ -18,10 +18,7 @@ fn short(name: &str, duration: f64) -> Case {
 
 #[track_caller]
 fn near(found: f64, expected: f64, within: f64) {
-    assert!(
-        (found / expected - 1.0).abs() < within,
-        "{found} instead of {expected}"
-    );
+    assert!((found / expected - 1.0).abs() < within, "{found} instead of {expected}");
 }
 
 /// T θ = Ω² (m_e R_p + m_r R_c): a ring with its elements on a circle, without pulleys.
@@ -114,20 +111,13 @@ fn energy_closes_and_half_the_step_changes_little() {
         run.advance(u64::MAX).unwrap();
         // At this time the ratio's controller still works.
         let fault = run.check_steady().unwrap_err().to_string();
-        assert!(
-            fault.contains("no steady state: the thrust ratio changes"),
-            "{fault}"
-        );
+        assert!(fault.contains("no steady state: the thrust ratio changes"), "{fault}");
         Row::mean(&run.rows[16..])
     };
     let [whole, half] = [2.0e-6, 1.0e-6].map(run);
     for row in [whole, half] {
         assert!(row.residual().abs() < 5e-4, "{}", row.residual());
-        assert!(
-            row.residual_of_losses().abs() < 0.02,
-            "{}",
-            row.residual_of_losses()
-        );
+        assert!(row.residual_of_losses().abs() < 0.02, "{}", row.residual_of_losses());
     }
     near(whole.thrust_ratio(), half.thrust_ratio(), 3e-3);
     near(whole.slip(), half.slip(), 0.03);
@@ -161,10 +151,7 @@ fn an_element_that_leaves_the_belt_is_named() {
     machine.belt.v[123].im = 30.0;
     let fault = machine.check().unwrap_err();
     assert_eq!(fault.element, 123);
-    assert!(
-        fault.to_string().contains("leaves the belt at 30.0 m/s"),
-        "{fault}"
-    );
+    assert!(fault.to_string().contains("leaves the belt at 30.0 m/s"), "{fault}");
     machine.belt.v[123].im = 0.0;
     machine.belt.length[77] *= 2.5;
     assert_eq!(machine.check().unwrap_err().element, 77);

@@ -88,15 +88,7 @@ fn bad_input_is_one_line_and_no_run() {
 #[test]
 fn a_failure_keeps_the_results_so_far() {
     let place = folder("fails");
-    let words = [
-        "medium-0.4",
-        "--duration",
-        "0.05",
-        "--step",
-        "5e-5",
-        "--store",
-        "20",
-    ];
+    let words = ["medium-0.4", "--duration", "0.05", "--step", "5e-5", "--store", "20"];
     let (output, errors) = run(&place, &words);
     let last = errors.lines().last().unwrap();
     assert!(

@@ -78,10 +78,7 @@ mod tests {
     fn this_program_needs_some_glibc() {
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         let needed = newest_glibc(&program).unwrap();
-        assert!(
-            cfg!(not(target_env = "gnu")) || needed >= Some((2, 2)),
-            "{needed:?}"
-        );
+        assert!(cfg!(not(target_env = "gnu")) || needed >= Some((2, 2)), "{needed:?}");
         assert_eq!(newest_glibc(b"MZ").unwrap(), None);
     }
 }

@@ -44,9 +44,7 @@ pub fn clear_own(command: &mut Command) {
 /// It can't be started, or reports a failure.
 pub fn run(command: &mut Command) -> anyhow::Result<()> {
     let line = shown(command);
-    let status = command
-        .status()
-        .with_context(|| format!("can't start `{line}`"))?;
+    let status = command.status().with_context(|| format!("can't start `{line}`"))?;
     if !status.success() {
         bail!("`{line}` failed ({status})");
     }
@@ -71,11 +69,7 @@ pub const ELEMENTS: Program = ["pushbelt-elements", "--bin", "pushbelt-elements"
 /// # Errors
 /// The compilation fails.
 pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
-    compile_library(
-        release(workspace, LIBRARY_PACKAGE).arg("--lib"),
-        LIBRARY_PACKAGE,
-        drop,
-    )
+    compile_library(release(workspace, LIBRARY_PACKAGE).arg("--lib"), LIBRARY_PACKAGE, drop)
 }
 
 /// Compiles the model's shared library with a command that replaces `cargo build`, and returns its
@@ -214,10 +208,7 @@ impl Artifact {
         let name = message["target"]["name"].as_str();
         Ok(Some(Self {
             name: name.context("cargo names no target")?.to_owned(),
-            files: texts(&message["filenames"])
-                .into_iter()
-                .map(PathBuf::from)
-                .collect(),
+            files: texts(&message["filenames"]).into_iter().map(PathBuf::from).collect(),
             executable: message["executable"].as_str().map(PathBuf::from),
             fresh: message["fresh"].as_bool().unwrap_or_default(),
         }))
@@ -301,11 +292,7 @@ mod tests {
             .args(tree)
             .output();
         let output = output.expect("cargo starts");
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout)
             .unwrap()
             .lines()
@@ -316,10 +303,7 @@ mod tests {
     #[test]
     fn development_dependencies_change_no_feature_of_the_library() {
         let workspace = Workspace::find().expect("the workspace");
-        let alone = features(
-            &workspace,
-            &["--package", MODEL_PACKAGE, "--edges", "normal,build"],
-        );
+        let alone = features(&workspace, &["--package", MODEL_PACKAGE, "--edges", "normal,build"]);
         let tests = ["--workspace", "--exclude", env!("CARGO_PKG_NAME")];
         let beside = features(&workspace, &tests);
         assert!(alone.len() > 20, "{alone:?}");

@@ -38,11 +38,7 @@ fn written(seconds: &str) -> anyhow::Result<String> {
             seconds.trim()
         )
     };
-    let number = seconds
-        .trim()
-        .parse::<u64>()
-        .ok()
-        .filter(|number| *number <= LAST);
+    let number = seconds.trim().parse::<u64>().ok().filter(|number| *number <= LAST);
     let time = UNIX_EPOCH + Duration::from_secs(number.with_context(refused)?);
     Ok(humantime::format_rfc3339_seconds(time).to_string())
 }

@@ -56,9 +56,7 @@ impl Description {
     /// The text is not XML or has no variables.
     pub fn parse(xml: &str) -> anyhow::Result<Self> {
         let document = Document::parse(xml).context("the model description is not XML")?;
-        let types = document
-            .descendants()
-            .filter(|node| node.has_tag_name("SimpleType"));
+        let types = document.descendants().filter(|node| node.has_tag_name("SimpleType"));
         let enumerations: Vec<(&str, String)> = types
             .filter_map(|node| Some((node.attribute("name")?, items(node))))
             .collect();
@@ -197,9 +195,7 @@ fn attribute(node: Node, name: &str) -> String {
 }
 
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]
@@ -212,16 +208,10 @@ mod tests {
         let dated = with_date(xml, "2026-01-02T03:04:05Z").unwrap();
         let document = Document::parse(&dated).unwrap();
         let root = document.root_element();
-        assert_eq!(
-            root.attribute("generationDateAndTime"),
-            Some("2026-01-02T03:04:05Z")
-        );
+        assert_eq!(root.attribute("generationDateAndTime"), Some("2026-01-02T03:04:05Z"));
         assert_eq!(root.attribute("guid"), Some("{c}"));
         let dated = with_date(r#"<a instantiationToken="{c}"/>"#, "today").unwrap();
-        assert_eq!(
-            dated,
-            r#"<a generationDateAndTime="today" instantiationToken="{c}"/>"#
-        );
+        assert_eq!(dated, r#"<a generationDateAndTime="today" instantiationToken="{c}"/>"#);
         assert!(with_date("<a/>", "").is_err());
     }
 

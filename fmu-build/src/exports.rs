@@ -96,9 +96,7 @@ fn compare(listed: &BTreeSet<&str>, found: &BTreeSet<&str>) -> anyhow::Result<()
 pub fn definition(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     let mut hash = DefaultHasher::new();
     LIST.hash(&mut hash);
-    let path = workspace
-        .target()
-        .join(format!("exports-{:016x}.def", hash.finish()));
+    let path = workspace.target().join(format!("exports-{:016x}.def", hash.finish()));
     fs::create_dir_all(workspace.target())
         .and_then(|()| fs::write(&path, LIST))
         .with_context(|| format!("can't write {}", path.display()))?;
@@ -129,10 +127,7 @@ mod tests {
         assert!(compare(&listed, &listed.clone()).is_ok());
         let other = BTreeSet::from(["fmi2DoStep", "_ZN4core"]);
         let said = compare(&listed, &other).unwrap_err().to_string();
-        assert!(
-            said.contains("not listed _ZN4core; not exported fmi2Reset"),
-            "{said}"
-        );
+        assert!(said.contains("not listed _ZN4core; not exported fmi2Reset"), "{said}");
         let many: Vec<String> = (0..4000).map(|k| format!("name{k}")).collect();
         let said = compare(&listed, &many.iter().map(String::as_str).collect()).unwrap_err();
         assert!(said.to_string().contains("… (4000)"), "{said}");

@@ -80,13 +80,7 @@ mod tests {
     fn each_png_has_the_size_of_its_svg_and_is_not_empty() {
         for icon in std::iter::once(ICON).chain(TERMINALS) {
             let svg = roxmltree::Document::parse(icon.svg).unwrap();
-            let size = |name: &str| {
-                svg.root_element()
-                    .attribute(name)
-                    .unwrap()
-                    .parse::<usize>()
-                    .unwrap()
-            };
+            let size = |name: &str| svg.root_element().attribute(name).unwrap().parse::<usize>().unwrap();
             let (width, height, share) = painted(icon.png);
             assert_eq!((width, height), (size("width"), size("height")), "{}", icon.name);
             assert!(width >= 100 && height >= 100, "{}", icon.name);

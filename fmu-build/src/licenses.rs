@@ -40,12 +40,7 @@ pub fn third_party(metadata: &Value) -> anyhow::Result<String> {
 
     for (text, users) in texts {
         let users = users.into_iter().collect::<Vec<_>>().join(", ");
-        write!(
-            summary,
-            "\n{}\n{users}\n{}\n\n{text}\n",
-            "=".repeat(78),
-            "-".repeat(78)
-        )?;
+        write!(summary, "\n{}\n{users}\n{}\n\n{text}\n", "=".repeat(78), "-".repeat(78))?;
     }
     Ok(summary)
 }
@@ -102,9 +97,7 @@ fn linked(metadata: &Value) -> anyhow::Result<Vec<&Value>> {
 
 fn license_texts(package: &Value) -> anyhow::Result<Vec<String>> {
     let manifest = text(package, "manifest_path").map(Path::new);
-    let folder = manifest
-        .and_then(Path::parent)
-        .context("a package has a folder")?;
+    let folder = manifest.and_then(Path::parent).context("a package has a folder")?;
     let mut texts = Vec::new();
     for entry in fs::read_dir(folder).with_context(|| format!("can't read {}", folder.display()))? {
         let entry = entry?;

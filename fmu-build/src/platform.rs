@@ -100,30 +100,17 @@ mod tests {
         for (system, processor, two, three) in [
             ("linux", "x86_64", "linux64/Model.so", "x86_64-linux/Model.so"),
             ("windows", "x86_64", "win64/Model.dll", "x86_64-windows/Model.dll"),
-            (
-                "macos",
-                "x86_64",
-                "darwin64/Model.dylib",
-                "x86_64-darwin/Model.dylib",
-            ),
+            ("macos", "x86_64", "darwin64/Model.dylib", "x86_64-darwin/Model.dylib"),
             (
                 "macos",
                 "aarch64",
                 "aarch64-darwin/Model.dylib",
                 "aarch64-darwin/Model.dylib",
             ),
-            (
-                "linux",
-                "aarch64",
-                "aarch64-linux/Model.so",
-                "aarch64-linux/Model.so",
-            ),
+            ("linux", "aarch64", "aarch64-linux/Model.so", "aarch64-linux/Model.so"),
         ] {
             assert_eq!(path(system, processor, Version::Two), format!("binaries/{two}"));
-            assert_eq!(
-                path(system, processor, Version::Three),
-                format!("binaries/{three}")
-            );
+            assert_eq!(path(system, processor, Version::Three), format!("binaries/{three}"));
         }
     }
 

@@ -154,14 +154,8 @@ fn libraries(
             let path = path.with_extension(target.platform.extension);
             if !path.is_file() {
                 progress::headline(&format!("Compiling the FMU's binary for {tuple}{suffix}"));
-                let library = compile(
-                    workspace,
-                    tools,
-                    target,
-                    &place.cargo,
-                    is_variant,
-                    variant.as_deref(),
-                )?;
+                let library =
+                    compile(workspace, tools, target, &place.cargo, is_variant, variant.as_deref())?;
                 keep(&library, &path)?;
             }
             if is_variant {
@@ -250,10 +244,7 @@ fn remove_others(folder: &Path, build: &str) -> anyhow::Result<()> {
 fn identity(workspace: &Workspace) -> anyhow::Result<String> {
     let mut hash = DefaultHasher::new();
     (include_str!("portable.rs"), include_str!("wrapper.rs")).hash(&mut hash);
-    let compiler = Command::new("rustc")
-        .arg("-vV")
-        .output()
-        .context("can't start rustc")?;
+    let compiler = Command::new("rustc").arg("-vV").output().context("can't start rustc")?;
     compiler.stdout.hash(&mut hash);
     std::env::var_os("RUSTFLAGS").hash(&mut hash);
     let mut files = Vec::new();
@@ -331,17 +322,11 @@ fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
     if let Some(home) = cargo_home {
         flags.push(format!("--remap-path-prefix={}=cargo", home.display()));
     }
-    flags.push(format!(
-        "--remap-path-prefix={}=pushbelt",
-        workspace.root().display()
-    ));
+    flags.push(format!("--remap-path-prefix={}=pushbelt", workspace.root().display()));
     if target.platform == Platform::WIN64 {
         // `cargo-zigbuild` drops the compiler's list of exports for the linker. Without a list,
         // everything is exported.
-        flags.push(format!(
-            "-Clink-arg={}",
-            exports::definition(workspace)?.display()
-        ));
+        flags.push(format!("-Clink-arg={}", exports::definition(workspace)?.display()));
     }
     Ok(flags.join("\x1f").into())
 }

@@ -53,13 +53,7 @@ pub const PACKING: Packages = Packages {
 };
 
 /// Folders of the source tree with Python packages.
-const SOURCES: [&str; 5] = [
-    "python",
-    "validation",
-    "paper/python",
-    "examples/cosim",
-    "benches",
-];
+const SOURCES: [&str; 5] = ["python", "validation", "paper/python", "examples/cosim", "benches"];
 
 /// A copy of the lock file in the environment lists its installed packages. It is written last, so
 /// that an interrupted installation has none.
@@ -97,10 +91,7 @@ impl Environment {
         if installed.is_some() && (installed.as_ref() == Some(&wanted) || installed == wider) {
             return Ok(environment);
         }
-        progress::headline(&format!(
-            "Installing Python packages in target/{}",
-            packages.folder
-        ));
+        progress::headline(&format!("Installing Python packages in target/{}", packages.folder));
         // What the demo has installed stays. Otherwise the environment has packages that the lock
         // file no longer names.
         if packages.lock == RUNNING.lock && installed == Some(read(DEMO.lock)?) {
@@ -201,9 +192,7 @@ fn find_interpreter() -> anyhow::Result<OsString> {
         "python3.11",
         "python3.10",
     ];
-    let candidates = std::env::var_os("PYTHON")
-        .into_iter()
-        .chain(names.map(OsString::from));
+    let candidates = std::env::var_os("PYTHON").into_iter().chain(names.map(OsString::from));
     for candidate in candidates {
         if let Some((major, minor)) = version(&candidate) {
             if (major, minor) >= OLDEST {

@@ -108,8 +108,7 @@ impl Workspace {
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => {
                 eprintln!("waiting for another `cargo fmu` ({what})");
-                file.lock()
-                    .with_context(|| format!("can't lock {}", path.display()))?;
+                file.lock().with_context(|| format!("can't lock {}", path.display()))?;
             }
             // Some network file systems have no locks.
             Err(TryLockError::Error(_)) | Ok(()) => {}
@@ -172,14 +171,8 @@ fn metadata(options: &[&str]) -> anyhow::Result<Value> {
     command
         .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"))
         .args(options);
-    let output = command
-        .stderr(Stdio::inherit())
-        .output()
-        .context("can't start cargo")?;
-    ensure!(
-        output.status.success(),
-        "cargo can't read the workspace's packages"
-    );
+    let output = command.stderr(Stdio::inherit()).output().context("can't start cargo")?;
+    ensure!(output.status.success(), "cargo can't read the workspace's packages");
     serde_json::from_slice(&output.stdout).context("cargo prints no JSON")
 }
 

@@ -19,10 +19,7 @@ fn main() {
     // Shafts as heavy as an engine and a car.
     let of = &mut settings.parameters;
     (of.primary.inertia, of.secondary.inertia) = (0.15, 8.0);
-    for (name, slope) in [
-        ("inputs as ramps", true),
-        ("inputs held, reached within 1 ms", false),
-    ] {
+    for (name, slope) in [("inputs as ramps", true), ("inputs held, reached within 1 ms", false)] {
         let mut unit = MapUnit::start(&settings, &Experiment::default(), &mut Vec::new()).expect("a start");
         let (mut settings, mut rates) = (settings.clone(), settings.clone());
         rates.inputs = Inputs::ZERO;
@@ -38,11 +35,8 @@ fn main() {
             (rate.primary.torque, rate.primary.clamping_force) =
                 (60.0 * phase.cos(), 1.2e3 * (0.3 * phase).cos());
             (rate.secondary.torque, rate.secondary.clamping_force) = (1e-3, 1e-3);
-            let mut step = unit
-                .begin(to, &settings, slope.then_some(&rates))
-                .expect("a step");
-            unit.advance(to, &mut step, &settings, &mut Vec::new())
-                .expect("a step");
+            let mut step = unit.begin(to, &settings, slope.then_some(&rates)).expect("a step");
+            unit.advance(to, &mut step, &settings, &mut Vec::new()).expect("a step");
             let readings = unit.readings(false);
             sum += readings.outputs.slip;
             outside |= readings.outside;

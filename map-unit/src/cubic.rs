@@ -46,9 +46,7 @@ fn curve(x: &[f64], y: &[f64]) -> impl Fn(f64) -> f64 {
 pub fn resampled(x: &[f64], values: &[f64], width: usize, at: impl Iterator<Item = f64>) -> Vec<f64> {
     let at: Vec<f64> = at.collect();
     let mut found = vec![0.0; values.len() / x.len() * at.len()];
-    let blocks = values
-        .chunks(x.len() * width)
-        .zip(found.chunks_mut(at.len() * width));
+    let blocks = values.chunks(x.len() * width).zip(found.chunks_mut(at.len() * width));
     for (block, found) in blocks {
         for column in 0..width {
             let y: Vec<f64> = block.iter().skip(column).step_by(width).copied().collect();

@@ -133,11 +133,7 @@ impl File<'_> {
     fn capacities(&self, name: &str, least: f64, most: f64) -> Result<[Vec<f64>; 2], String> {
         let values = self.numbers(name, 2, [-most, most])?;
         let of = |at: usize| values.iter().skip(at).step_by(2).copied().collect::<Vec<_>>();
-        check_range(
-            &format!("the table {name} in direction -1"),
-            &of(0),
-            [-most, -least],
-        )?;
+        check_range(&format!("the table {name} in direction -1"), &of(0), [-most, -least])?;
         check_range(&format!("the table {name} in direction 1"), &of(1), [least, most])?;
         Ok([of(0), of(1)])
     }
@@ -151,10 +147,7 @@ impl File<'_> {
         along: &[f64],
         count: usize,
     ) -> Table<N> {
-        let (axis, ratios) = (
-            UniformAxis::over(along, count),
-            UniformAxis::over(&self.ratios, RATIOS),
-        );
+        let (axis, ratios) = (UniformAxis::over(along, count), UniformAxis::over(&self.ratios, RATIOS));
         let tables = tables.map(|values| {
             let values = resampled(along, &values, 1, axis.places());
             resampled(&self.ratios, &values, rows * axis.count, ratios.places())
@@ -175,9 +168,7 @@ impl File<'_> {
     ) -> Result<Table<1>, String> {
         let values = self.numbers(name, rows * along.len(), range)?;
         if !values.chunks(along.len()).all(|row| row.is_sorted()) {
-            return Err(format!(
-                "it is damaged: the table {name} falls along its last axis"
-            ));
+            return Err(format!("it is damaged: the table {name} falls along its last axis"));
         }
         // The refinement along the ratio leaves the rows only nearly rising.
         let mut sheet = self.refined(rows, [values], along, count);
@@ -209,9 +200,7 @@ fn axis(document: &Value, name: &str, range: Range) -> Result<Vec<f64>, String> 
     let values = flat(&document["axes"][name]["values"]);
     check_range(&format!("the axis {name}"), &values, range)?;
     let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    let ascends = values
-        .windows(2)
-        .all(|pair| pair[1] - pair[0] >= LEAST_STEP * largest);
+    let ascends = values.windows(2).all(|pair| pair[1] - pair[0] >= LEAST_STEP * largest);
     if values.is_empty() || !ascends {
         return Err(format!(
             "it is damaged: the axis {name} is missing or does not ascend by at least {LEAST_STEP:e} of its largest value"

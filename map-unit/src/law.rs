@@ -279,10 +279,7 @@ impl Law {
             let holding = point.thrust_ratio * secondary;
             let excess = (primary.max(LEAST_FORCE) / holding.max(LEAST_FORCE)).ln();
             let (rate, gain) = self.tables.shift_rate(&point.place, point.forward, excess);
-            (
-                -speed * rate,
-                speed * (gain * point.thrust_slope / point.thrust_ratio),
-            )
+            (-speed * rate, speed * (gain * point.thrust_slope / point.thrust_ratio))
         };
         let free = under(PerPulley::default());
         if Pulley::BOTH.map(|j| self.parameters.pulley(j).cylinder.seal) == [0.0; 2] {

@@ -74,10 +74,7 @@ pub fn table() -> Table<Settings, Readings> {
         }
         of_maps.then_some(variable)
     };
-    let mut variables: Vec<_> = shared_variables(Vec::new())
-        .into_iter()
-        .filter_map(of_maps)
-        .collect();
+    let mut variables: Vec<_> = shared_variables(Vec::new()).into_iter().filter_map(of_maps).collect();
     variables.push(Variable {
         name: "map.outside".to_owned(),
         reference: 90,

@@ -23,9 +23,7 @@ impl Law {
             let relative =
                 |j: Pulley| (next.speeds[j] - state.speeds[j]).abs() / (1.0 + next.speeds[j].abs());
             let [secondary, primary] = Pulley::BOTH.map(relative);
-            let change = primary
-                .max(secondary)
-                .max((next.log_ratio - state.log_ratio).abs());
+            let change = primary.max(secondary).max((next.log_ratio - state.log_ratio).abs());
             state = next;
             // The next change is smaller by the factor between the last two.
             let rate = change / before;
@@ -71,10 +69,8 @@ impl Law {
         let [least, most] = self.stops;
         let behind = (base.log_ratio + k * rate).clamp(least, most) - state.log_ratio;
         let per_utilisation = -per_torque * point.full_slip;
-        let coupled = (around * k * slope).clamp(
-            -LEAST_FRACTION * per_utilisation,
-            per_utilisation / LEAST_FRACTION,
-        );
+        let coupled =
+            (around * k * slope).clamp(-LEAST_FRACTION * per_utilisation, per_utilisation / LEAST_FRACTION);
         let free = free - around * behind + coupled * utilisation;
         let found = self.utilisation(&point, free, per_utilisation + coupled)?;
         let torque = point.full_slip * found;

@@ -43,9 +43,7 @@ impl MapUnit {
         }
         match settled {
             Err(why) if initial.strict => {
-                return Err(format!(
-                    "{why}; with initial.strict = true this start is an error"
-                ));
+                return Err(format!("{why}; with initial.strict = true this start is an error"));
             }
             other => remarks.extend(other.err().map(Message::warning)),
         }

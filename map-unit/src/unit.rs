@@ -48,9 +48,7 @@ impl MapUnit {
     fn step(&mut self, duration: f64, to: &Inputs) -> Option<()> {
         let (start, k) = (self.state, GAMMA * duration);
         let change = to.after(-1.0, &self.inputs);
-        let first = self
-            .law
-            .stage(&self.inputs.after(GAMMA, &change), &start, k, &start)?;
+        let first = self.law.stage(&self.inputs.after(GAMMA, &change), &start, k, &start)?;
         // base = y + h (1 − γ) f₁, with h γ f₁ = Y₁ − y.
         let ahead = |start: f64, first: f64| start + (1.0 - GAMMA) / GAMMA * (first - start);
         let base = State {
@@ -254,13 +252,7 @@ impl Unit for MapUnit {
     ) -> Result<InputProfile, String> {
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
         let (ramp, span) = (settings.parameters.solver.input_ramp, [self.time, to]);
-        Ok(InputProfile::new(
-            ramp,
-            span,
-            &self.inputs,
-            &settings.inputs,
-            &rates,
-        ))
+        Ok(InputProfile::new(ramp, span, &self.inputs, &settings.inputs, &rates))
     }
 
     fn advance(
@@ -316,10 +308,7 @@ impl Unit for MapUnit {
         archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);
         self.law.parameters.serialize(archive);
-        self.idle
-            .each_mut()
-            .into_iter()
-            .for_each(|said| archive.flag(said));
+        self.idle.each_mut().into_iter().for_each(|said| archive.flag(said));
         if archive.is_reading() {
             self.readings = self.read(&self.present());
         }

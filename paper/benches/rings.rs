@@ -32,9 +32,7 @@ fn main() {
 /// Computing times of the nine load cases from their steady states, relative to `RCM`.
 fn nine_load_cases() {
     let ale = variator(RingModel::Ale);
-    let cases = [30.0, 50.0, 100.0]
-        .map(|torque| LoadCase::three(&ale, torque))
-        .concat();
+    let cases = [30.0, 50.0, 100.0].map(|torque| LoadCase::three(&ale, torque)).concat();
     let rings: [Arc<dyn BeltRing>; 3] = [rcm(), Arc::new(Ale::<2>), Arc::new(Ale0)];
     let times: Vec<[f64; 3]> = cases
         .iter()
@@ -70,9 +68,7 @@ fn stepping(case: &LoadCase, steady: &Outputs, ring: &Arc<dyn BeltRing>) -> f64 
         variator.initialise(0.0, &inputs).expect("a start");
         let start = ThreadTime::now();
         for k in 1..=steps as u32 {
-            variator
-                .advance(span * f64::from(k) / steps, &inputs)
-                .expect("a step");
+            variator.advance(span * f64::from(k) / steps, &inputs).expect("a step");
         }
         start.elapsed().as_secs_f64()
     });
@@ -108,10 +104,7 @@ fn free_ring() {
         });
         let (seconds, counts) = runs.min_by(|a, b| a.0.total_cmp(&b.0)).expect("seven runs");
         print_row(
-            &format!(
-                "free ring of 40 elements, Ancf, 0.5 s in steps of {} ms",
-                1e3 * step
-            ),
+            &format!("free ring of 40 elements, Ancf, 0.5 s in steps of {} ms", 1e3 * step),
             &format!("{:.2} ms, {}", 1e3 * seconds, text(&counts)),
         );
     }

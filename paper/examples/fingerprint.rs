@@ -26,12 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("ANCF", Arc::new(Travels::<AncfElement>::new(0)), 30),
     ];
     for (name, ring, steps) in cases {
-        report.run(
-            name,
-            Variator::with_ring(Parameters::default(), ring)?,
-            &trace,
-            steps,
-        )?;
+        report.run(name, Variator::with_ring(Parameters::default(), ring)?, &trace, steps)?;
     }
     report.finish()
 }

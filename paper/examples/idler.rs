@@ -40,15 +40,11 @@ fn drive() -> Result<BeltDrive<3>, DriveError> {
 
 /// Driver, idler inside the upper strand on an upright arm, driven.
 fn tensioned() -> Result<BeltDrive<3>, DriveError> {
-    BeltDrive::new([
-        pulley(0.0, 0.0, 0.05),
-        pulley(0.13, 0.1, 0.02),
-        pulley(0.26, 0.0, 0.05),
-    ])?
-    .with_tensioner(Tensioner {
-        pulley: 1,
-        pivot: [0.13, -0.05],
-    })
+    BeltDrive::new([pulley(0.0, 0.0, 0.05), pulley(0.13, 0.1, 0.02), pulley(0.26, 0.0, 0.05)])?
+        .with_tensioner(Tensioner {
+            pulley: 1,
+            pivot: [0.13, -0.05],
+        })
 }
 
 /// Steel, 0.185 mm × 9.5 mm, without bending stiffness if `string`.
@@ -138,11 +134,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let ring = belt(true);
     let mesh = RingMesh::even(&[4, 6, 8, 4, 3, 4, 3], 3);
-    run(
-        "ALE",
-        AleRing::flexible(ring.clone(), drive.clone(), mesh),
-        &drive,
-    )?;
+    run("ALE", AleRing::flexible(ring.clone(), drive.clone(), mesh), &drive)?;
     run("RCM", Rcm::new(ring.clone(), drive.clone(), 64, 5), &drive)?;
     run("ANCF", Ancf::new(ring, drive.clone(), 64, 3), &drive)?;
     swing(tensioned()?)

@@ -193,12 +193,7 @@ impl<E: TravellingElement> Travels<E> {
     }
 
     fn ring(belt: &Belt) -> LagrangianRing<E, TwoPulley> {
-        LagrangianRing::new(
-            belt.law.ring.clone(),
-            belt.curve.clone(),
-            belt.layout.nodes,
-            E::POINTS,
-        )
+        LagrangianRing::new(belt.law.ring.clone(), belt.curve.clone(), belt.layout.nodes, E::POINTS)
     }
 }
 

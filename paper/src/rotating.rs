@@ -58,13 +58,7 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
             motion,
             ..
         } = &self.ring;
-        rotated_point(
-            reference,
-            &self.curve[at],
-            &geometry.point(at).shape,
-            element,
-            motion,
-        )
+        rotated_point(reference, &self.curve[at], &geometry.point(at).shape, element, motion)
     }
 
     #[inline(always)]
@@ -81,14 +75,7 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
             ..
         } = &mut self.ring;
         let shape = &geometry.point(at).shape;
-        rotated_load(
-            &station_load.load,
-            point,
-            shape,
-            element,
-            station_load.weight,
-            sum,
-        );
+        rotated_load(&station_load.load, point, shape, element, station_load.weight, sum);
     }
 
     #[inline(always)]

@@ -22,10 +22,7 @@ fn rings() -> [(RingModel, Arc<dyn BeltRing>); 3] {
 
 #[test]
 fn jacobian_matches_differences() {
-    assert_jacobian(
-        disturbed_with(&small(RingModel::Ale0), Arc::new(Centred), 200.0),
-        0.4,
-    );
+    assert_jacobian(disturbed_with(&small(RingModel::Ale0), Arc::new(Centred), 200.0), 0.4);
 }
 
 /// Thrust ratio and spiral running in medium and overdrive, with the default sheaves and with rigid

@@ -88,10 +88,7 @@ fn the_residual_is_invariant_to_the_choice_of_the_first_node() {
         let largest = residuals[0].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         for i in 0..n {
             let [one, two] = [residuals[0][i], residuals[1][counted_on(i)]];
-            assert!(
-                (one - two).abs() < 1e-9 * largest,
-                "row {i}: {one} {two}, {largest}"
-            );
+            assert!((one - two).abs() < 1e-9 * largest, "row {i}: {one} {two}, {largest}");
         }
     }
 }

@@ -23,11 +23,7 @@ fn rig(ring: Arc<dyn BeltRing>, theta: f64, torque: f64) -> Run {
     parameters.initial.ratio = ratio(theta);
     let case = LoadCase::new(&parameters, "", theta, torque);
     let load = -0.97 * torque * ratio(theta);
-    Run::with_ring(
-        parameters,
-        ring,
-        inputs((0.0, case.clamping), (load, case.clamping)),
-    )
+    Run::with_ring(parameters, ring, inputs((0.0, case.clamping), (load, case.clamping)))
 }
 
 /// Means of thrust ratio and of the ring tension's range over the last part of a run.

@@ -249,11 +249,7 @@ impl ReferenceCurve for TwoPulley {
         let (position, n, kappa) = if is_strand(segment) {
             let [start, along] = frame.strands[segment / 2];
             let n = turn_right(along.v * frame.lengths[segment].v.recip());
-            (
-                start.plus_scaled(along, T::constant(fraction)),
-                n,
-                Jet::constant(0.0),
-            )
+            (start.plus_scaled(along, T::constant(fraction)), n, Jet::constant(0.0))
         } else {
             let grown = frame.radius[pulley].plus_scaled(frame.growth, 1.0);
             let arm = Jet::polar(grown, chi);
@@ -299,9 +295,7 @@ impl MeshCurve for TwoPulley {
         };
         let centers = [1.0, -1.0].map(|side| middle.plus_scaled(arm, T::from(side)));
         let upper = phi.plus_scaled(turn, 1.0);
-        let lower = turn
-            .plus_scaled(phi, -1.0)
-            .plus_scaled(Jet::constant(2.0 * PI), 1.0);
+        let lower = turn.plus_scaled(phi, -1.0).plus_scaled(Jet::constant(2.0 * PI), 1.0);
         let quarter = Jet::constant(PI / 2.0);
         let strands = [(0, upper), (1, lower)].map(|(pulley, chi)| {
             let start = centers[pulley].plus_scaled(Jet::polar(grown[pulley], chi), T::one());

@@ -69,12 +69,8 @@ pub struct RingDensity<T> {
 /// Their values at a point.
 #[inline(always)]
 pub fn density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> RingDensity<T> {
-    let (velocity, gamma, rate, kappa) = (
-        point.velocity(),
-        point.strain(),
-        point.strain_rate(),
-        curvature(point),
-    );
+    let (velocity, gamma, rate, kappa) =
+        (point.velocity(), point.strain(), point.strain_rate(), curvature(point));
     let mut bending = kappa * kappa * ring.bending_stiffness;
     for i in 2..D {
         bending += point.bend[i] * point.bend[i] * ring.lateral_bending_stiffness;

@@ -127,10 +127,7 @@ mod tests {
         };
         let [secondary, primary] = layers.drag_coefficients([0.036, 0.072]);
         let expected = 0.05 * 1.85e-4 * 4.0 * (1.0 / 0.036 - 1.0 / 0.072);
-        assert!(
-            (secondary / expected - 1.0).abs() < 0.005,
-            "{secondary} {expected}"
-        );
+        assert!((secondary / expected - 1.0).abs() < 0.005, "{secondary} {expected}");
         assert!(primary >= 0.0 && primary < 0.002 * secondary, "{primary}");
         assert_eq!(layers.drag_coefficients([0.072, 0.036]), [primary, secondary]);
         let near = layers.drag_coefficients([0.058, 0.058 * 1.0001]);

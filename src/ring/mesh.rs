@@ -144,10 +144,7 @@ mod tests {
     fn gauss_integrates_polynomials_of_its_degree() {
         for points in 2..=5 {
             for degree in 0..2 * points {
-                let sum: f64 = gauss(points)
-                    .iter()
-                    .map(|&(x, w)| w * x.powi(degree as i32))
-                    .sum();
+                let sum: f64 = gauss(points).iter().map(|&(x, w)| w * x.powi(degree as i32)).sum();
                 let exact = f64::from(1 - degree as i32 % 2) * 2.0 / (degree as f64 + 1.0);
                 assert!((sum - exact).abs() < 1e-15, "{points} points, degree {degree}");
             }

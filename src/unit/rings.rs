@@ -81,11 +81,7 @@ pub const REMOVED: [Retired; 2] = [
         1036,
         "set belt.roughness, the same strain times belt.elementThickness",
     ),
-    removed(
-        "belt.filmForce",
-        1039,
-        "delete it; no force acts across a gap at rest",
-    ),
+    removed("belt.filmForce", 1039, "delete it; no force acts across a gap at rest"),
 ];
 
 /// Those that the FMU of the paper's comparison alone has.
@@ -119,12 +115,7 @@ impl Rings for StandardRings {
             },
         };
         let (of, text) = (Self::RING_MODEL, "Level of detail of the ring");
-        vec![parameter(
-            "ring.model",
-            1001,
-            text,
-            Kind::Enumeration { of, access },
-        )]
+        vec![parameter("ring.model", 1001, text, Kind::Enumeration { of, access })]
     }
 
     fn ring(&self, parameters: &Parameters) -> Result<Arc<dyn BeltRing>, ParameterError> {

@@ -35,10 +35,7 @@ impl<R: Rings> UnitWith<R> {
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
-        let ring = settings
-            .own
-            .ring(&parameters)
-            .map_err(|error| error.to_string())?;
+        let ring = settings.own.ring(&parameters).map_err(|error| error.to_string())?;
         find_memory(&parameters.mesh)?;
         let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
         let rings = PhantomData;
@@ -189,10 +186,7 @@ fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Message>)
     if parameter != Parameters::default().solver.tolerance {
         if parameter != experiment {
             let over = format!("takes precedence over the experiment's tolerance {experiment}");
-            remark(
-                false,
-                format!("solver.tolerance = {parameter} was set and {over}"),
-            );
+            remark(false, format!("solver.tolerance = {parameter} was set and {over}"));
         }
         return parameter;
     }

@@ -145,8 +145,7 @@ impl VariatorSystem {
     pub(crate) fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
         let friction = &self.friction();
         let belt = &*self.belt;
-        self.assembly
-            .serialize_derivatives(InForce { belt, friction }, archive);
+        self.assembly.serialize_derivatives(InForce { belt, friction }, archive);
     }
 
     /// Number of evaluations of all derivatives of the cells, and of constitutive tangents alone.

@@ -63,10 +63,7 @@ fn no_step_with_an_error_that_is_no_number_is_accepted() {
     let mut energy = EnergyBalance::default();
     let layout = system.belt.layout;
     let [speed, content] = system.belt.cells_at[3].to_array();
-    let [sheave, shaft] = [
-        layout.sheave(Pulley::Primary),
-        layout.shaft_speed(Pulley::Secondary),
-    ];
+    let [sheave, shaft] = [layout.sheave(Pulley::Primary), layout.shaft_speed(Pulley::Secondary)];
     let tilt = layout.tilt(Pulley::Primary, 1);
     let (system, energy) = (&mut system, &mut energy);
     let problem = Problem { system, energy };

@@ -41,10 +41,7 @@ fn assert_work_is_bounded(model: RingModel, effort: i32, seconds: f64, unaccount
                 assert!(driven.variator.outputs().work.behind < 0.02 + 1e-9);
             });
             let mean = of_run.sum * 1e-3 / seconds;
-            assert!(
-                mean <= EFFORT * f64::from(effort) + ABOVE * 1e-3 / seconds,
-                "{mean}"
-            );
+            assert!(mean <= EFFORT * f64::from(effort) + ABOVE * 1e-3 / seconds, "{mean}");
             if load == LoadHistory::Smooth && effort >= USUAL {
                 assert!(mean < 14.0, "{name}: {mean}");
             }
@@ -104,10 +101,7 @@ fn a_slam_is_followed() {
         let both = beside(model, (LoadHistory::Slam, 1.0), USUAL, 0.4, TOLERANCE);
         assert_followed(&both, 0.02, [f64::INFINITY; 2], &format!("{model:?}"));
         let last = |trace: &Trace| trace.slipping.iter().rposition(|&slips| slips).expect("it slips");
-        assert!(
-            last(&both.0).abs_diff(last(&both.1)) <= 10,
-            "last step of macro-slip"
-        );
+        assert!(last(&both.0).abs_diff(last(&both.1)) <= 10, "last step of macro-slip");
     }
     for parameters in meshes() {
         for &ratio in LoadHistory::Slam.ratios() {
@@ -181,11 +175,7 @@ fn with_more_effort_ale_follows_a_clutch_that_hunts() {
         let (off, ranges) = (found.off(&exact), exact.ranges());
         assert!(latest < 4e-3, "{load:?} {ratio}: {latest} s");
         for speed in 0..2 {
-            assert!(
-                off[speed] < 0.05 * ranges[speed],
-                "{load:?} {ratio}: {}",
-                off[speed]
-            );
+            assert!(off[speed] < 0.05 * ranges[speed], "{load:?} {ratio}: {}", off[speed]);
         }
     }
 }
@@ -213,10 +203,7 @@ fn starts_without_load_are_smooth() {
         let mut parameters = in_real_time(coarse(model), USUAL);
         parameters.initial.primary_speed = 0.0;
         let mut variator = started(parameters, &inputs((0.0, 13e3), (0.0, 10e3)));
-        assert!(
-            variator.outputs().secondary.axial_force > 9e3,
-            "clamped before the run"
-        );
+        assert!(variator.outputs().secondary.axial_force > 9e3, "clamped before the run");
         for k in 1..=300 {
             let torque = if k < 200 { 40.0 } else { 0.0 };
             let given = inputs((torque, 13e3), (-0.5 * torque, 10e3));
@@ -224,10 +211,7 @@ fn starts_without_load_are_smooth() {
             let speed = variator.outputs().primary.speed;
             assert!(speed.is_finite() && speed < 400.0, "{model:?} {k}");
         }
-        assert!(
-            variator.outputs().primary.speed > 20.0,
-            "{model:?}: it has been driven"
-        );
+        assert!(variator.outputs().primary.speed > 20.0, "{model:?}: it has been driven");
     }
 }
 
@@ -318,11 +302,7 @@ fn a_run_continues_after_steps_without_a_solution() {
                     driven.step();
                     let speed = driven.variator.outputs().primary.speed;
                     held = if speed == before { held + 1 } else { 0 };
-                    assert!(
-                        held < 6,
-                        "{model:?} {load:?} {ratio} stands at {}",
-                        driven.until()
-                    );
+                    assert!(held < 6, "{model:?} {load:?} {ratio} stands at {}", driven.until());
                     before = speed;
                 }
                 let outputs = driven.variator.outputs();
@@ -426,17 +406,11 @@ fn a_run_continues_under_random_jumps() {
             for _ in 1..=500 {
                 let time = jumps.advance();
                 let work = of_run.read(&jumps.variator);
-                assert!(
-                    work <= EFFORT * f64::from(effort) + ABOVE,
-                    "{seed} at {time} s: {work}"
-                );
+                assert!(work <= EFFORT * f64::from(effort) + ABOVE, "{seed} at {time} s: {work}");
                 let outputs = jumps.variator.outputs();
                 let [p, s] = [&outputs.primary, &outputs.secondary];
                 assert!(p.speed.is_finite() && s.speed.abs() < 1e3, "{seed} at {time} s");
-                assert!(
-                    p.axial_force.abs().max(s.axial_force.abs()) < 1e5,
-                    "{seed} at {time} s"
-                );
+                assert!(p.axial_force.abs().max(s.axial_force.abs()) < 1e5, "{seed} at {time} s");
                 still = if p.speed == before { still + 1 } else { 0 };
                 assert!(still * effort <= 80, "{seed} at {time} s: still for {still} ms");
                 before = p.speed;

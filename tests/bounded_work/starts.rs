@@ -40,9 +40,7 @@ fn random_parameters_start_with_bounded_work_or_a_named_error() {
             let far = uniform() < 0.25;
             let factor = 10_f64.powf((uniform() - 0.5) * if far { 4.0 } else { 0.6 });
             let value = (usual * factor).clamp(min, max);
-            variable
-                .set(&mut settings, Value::Real(value))
-                .expect("in its range");
+            variable.set(&mut settings, Value::Real(value)).expect("in its range");
         }
         if <VariatorUnit as Unit>::check(&settings).is_err() {
             continue;

@@ -72,20 +72,14 @@ fn check_output_derivatives(model: i32, share: f64, agreeing: u32) {
     importer.start();
     importer.advance(0.0, 0.03);
     let table = VariatorUnit::table();
-    let outputs = table
-        .variables()
-        .iter()
-        .filter(|v| v.causality == Causality::Output);
+    let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
     let real = outputs.filter(|v| matches!(v.kind, Kind::Real { .. }));
     let names: Vec<&String> = real.map(|v| &v.name).collect();
     // Load and set point change at the same time, so that outputs change much in 1 ms, and the
     // reaction of the shaft depends on inputs.
     let from = 0.03;
     let step = |t: f64, size: f64| {
-        for (name, value, rate) in [
-            ("primary.torque", 80.0, 2e4),
-            ("secondary.speedSetpoint", 215.0, -2e3),
-        ] {
+        for (name, value, rate) in [("primary.torque", 80.0, 2e4), ("secondary.speedSetpoint", 215.0, -2e3)] {
             importer.put(name, value + rate * (t - from));
             ramp(&importer, name, rate);
         }
@@ -117,11 +111,7 @@ fn check_output_derivatives(model: i32, share: f64, agreeing: u32) {
         .position(|name| *name == "ring.stressMax")
         .expect("an output");
     // The defect belongs to a step and is not a function of time.
-    for (i, name) in names
-        .iter()
-        .enumerate()
-        .filter(|(_, name)| **name != "solver.defect")
-    {
+    for (i, name) in names.iter().enumerate().filter(|(_, name)| **name != "solver.defect") {
         let found = last[i] - first[i];
         // The tolerance of Newton's method is some 1e-6 of an output. In such short steps
         // velocities and forces of sticking elements are less accurate.

@@ -51,10 +51,7 @@ fn first_event(importer: &Importer) -> (f64, Ended) {
 fn a_step_ends_where_the_belt_begins_to_slip_through() {
     let importer = overloaded(EVENTS);
     let (end, ended) = first_event(&importer);
-    assert!(
-        ended.early && ended.time < end && ended.time > end - 1e-3,
-        "{ended:?}"
-    );
+    assert!(ended.early && ended.time < end && ended.time > end - 1e-3, "{ended:?}");
     assert_eq!(importer.get("time"), ended.time);
     assert!(importer.is("macroSlip"));
     let words = "the belt begins to slip through (macro-slip)";
@@ -89,11 +86,7 @@ fn a_step_ends_where_a_sheave_reaches_its_stop() {
     importer.assert_logged("the secondary sheave reaches its opening stop");
     for _ in 0..100 {
         importer.record.messages.borrow_mut().clear();
-        assert!(
-            !step(1e-4).1,
-            "a sheave that rests at its stop: {}",
-            importer.last()
-        );
+        assert!(!step(1e-4).1, "a sheave that rests at its stop: {}", importer.last());
     }
 }
 

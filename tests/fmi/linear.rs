@@ -103,10 +103,7 @@ fn a_steady_instance_has_a_model_in_the_names_of_the_interface() {
         let (found, name) = (number(&output["value"]), output["name"].as_str().expect("a name"));
         let expected = importer.get(name);
         // The parser of these tests rounds in the last digit.
-        assert!(
-            (found / expected - 1.0).abs() <= 1e-15 || found == expected,
-            "{name}"
-        );
+        assert!((found / expected - 1.0).abs() <= 1e-15 || found == expected, "{name}");
     }
     assert_eq!(importer.readings(), before, "the instance has not changed");
     importer.advance(0.0, 1e-3);

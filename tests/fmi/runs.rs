@@ -50,10 +50,7 @@ fn outputs_are_those_of_the_library() {
     }
     let force = array("profile.pushForce").into_iter().fold(0.0, f64::max);
     let most = importer.get("pushForce.max");
-    assert!(
-        force <= most * (1.0 + 1e-12) && force > 0.5 * most,
-        "{force} of {most}"
-    );
+    assert!(force <= most * (1.0 + 1e-12) && force > 0.5 * most, "{force} of {most}");
 }
 
 /// A run: what is set first, the inputs of each step, and its size, s.
@@ -85,11 +82,9 @@ fn rows(run: &Run, version: Version, handles: Handles<'_>) -> Vec<Vec<u64>> {
 fn check(run: &Run) {
     let expected = rows(run, Two, Handles::default());
     let required = ["thrustRatio", "primary.torque"].map(reference);
-    for (events, early_return, required) in [
-        (false, false, &[][..]),
-        (false, true, &required),
-        (true, false, &[]),
-    ] {
+    for (events, early_return, required) in
+        [(false, false, &[][..]), (false, true, &required), (true, false, &[])]
+    {
         let handles = Handles {
             events,
             early_return,
@@ -111,12 +106,7 @@ fn the_manoeuvre_has_the_same_bits_in_both_versions() {
         let forces = [inputs.primary.clamping_force, inputs.secondary.clamping_force];
         LOADS
             .into_iter()
-            .zip([
-                forces[0],
-                forces[1],
-                inputs.primary.torque,
-                inputs.secondary.torque,
-            ])
+            .zip([forces[0], forces[1], inputs.primary.torque, inputs.secondary.torque])
             .collect()
     });
     check(&Run {
@@ -194,10 +184,7 @@ fn a_late_run_equals_one_from_zero() {
         importer.start_at(start);
         let mut time = start;
         let step = |k: u32| {
-            importer.put(
-                "primary.torque",
-                if (k / 50).is_multiple_of(2) { 80.0 } else { 50.0 },
-            );
+            importer.put("primary.torque", if (k / 50).is_multiple_of(2) { 80.0 } else { 50.0 });
             importer.advance(time, 1e-4);
             time = if sums {
                 time + 1e-4
@@ -240,12 +227,7 @@ fn discard(importer: &Importer, from: f64, size: f64) {
     let everything = || {
         let counts =
             ["solver.steps", "solver.jacobians", "solver.residuals"].map(|name| importer.count(name));
-        (
-            importer.readings(),
-            importer.slopes(),
-            counts,
-            importer.is("macroSlip"),
-        )
+        (importer.readings(), importer.slopes(), counts, importer.is("macroSlip"))
     };
     let before = everything();
     let ended = importer.step(from, size);
@@ -322,10 +304,6 @@ fn a_step_that_takes_too_much_work_is_discarded_and_can_be_repeated() {
         assert_eq!(importer.restore(after), Ok);
         step_gently(1e-3);
         assert_eq!(importer.restore(after), Ok);
-        assert_eq!(
-            step_gently(2e-3),
-            repeated,
-            "from a state that was stored in between"
-        );
+        assert_eq!(step_gently(2e-3), repeated, "from a state that was stored in between");
     }
 }

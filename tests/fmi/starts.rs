@@ -27,11 +27,7 @@ fn implausible_loads_are_logged() {
     };
     let speed = logged("initial.primarySpeed", 2000.0, "initial.primarySpeed in rpm");
     assert_eq!((speed.0, speed.1, &*speed.2), (Ok, 1, "logStatusWarning"));
-    let force = logged(
-        "secondary.clampingForce",
-        13.5,
-        "secondary.clampingForce = 13.5 N",
-    );
+    let force = logged("secondary.clampingForce", 13.5, "secondary.clampingForce = 13.5 N");
     assert_eq!((force.0, force.1, &*force.2), (Error, 3, "logStatusError"));
     assert!(force.3.contains("kN"), "{}", force.3);
 }

@@ -98,24 +98,15 @@ fn manipulated_bytes_cause_no_panic_and_no_unbounded_work() {
                 importer.step(0.004, 0.001);
             }
         });
-        assert!(
-            allocated.bytes_max < 256 << 20,
-            "{} bytes at once",
-            allocated.bytes_max
-        );
+        assert!(allocated.bytes_max < 256 << 20, "{} bytes at once", allocated.bytes_max);
         let messages = importer.record.messages.borrow();
-        let panic = messages
-            .iter()
-            .find(|message| message.text.contains("internal error"));
+        let panic = messages.iter().find(|message| message.text.contains("internal error"));
         assert!(panic.is_none(), "{panic:?}");
         Result::Ok(())
     });
     result.unwrap_or_else(|error| panic!("{error}"));
     let taken = taken.get();
-    assert!(
-        (cases / 10..cases).contains(&taken),
-        "{taken} of {cases} were taken"
-    );
+    assert!((cases / 10..cases).contains(&taken), "{taken} of {cases} were taken");
     // The instance itself still works.
     assert_eq!(importer.continue_from(&stored[0]), Ok);
     importer.advance(0.003, 0.001);

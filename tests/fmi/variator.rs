@@ -49,12 +49,7 @@ impl Importer {
     }
 
     pub fn choose(&self, name: &str, value: i32) {
-        assert_eq!(
-            self.set_number(reference(name), value),
-            Ok,
-            "{name}: {}",
-            self.last()
-        );
+        assert_eq!(self.set_number(reference(name), value), Ok, "{name}: {}", self.last());
     }
 
     pub fn flag(&self, name: &str, value: bool) {

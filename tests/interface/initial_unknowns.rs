@@ -23,11 +23,9 @@ fn changed(variable: &Row, settings: &Settings) -> Option<Settings> {
         (_, Value::Real(value)) => [1.001 * value, 0.999 * value, value + 1e-3, value - 1e-3]
             .map(Value::Real)
             .into(),
-        (Kind::Enumeration { of, .. }, _) => of
-            .items
-            .iter()
-            .map(|item| Value::Integer(item.value.into()))
-            .collect(),
+        (Kind::Enumeration { of, .. }, _) => {
+            of.items.iter().map(|item| Value::Integer(item.value.into())).collect()
+        }
         (_, Value::Integer(value)) => [value + 1, value + 2, value - 1].map(Value::Integer).into(),
         (_, Value::Boolean(value)) => vec![Value::Boolean(!value)],
     };
@@ -57,21 +55,13 @@ fn outputs(table: &Table<Settings, Readings>, settings: &Settings) -> Option<Vec
         let value = variable.value(settings, Some(readings)).expect("readings");
         (variable.name.clone(), number(value))
     };
-    let outputs = table
-        .variables()
-        .iter()
-        .filter(|v| v.causality == Causality::Output);
+    let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
     Some(outputs.map(of).collect())
 }
 
 /// A coarse reference ring with these values.
 fn settings(table: &Table<Settings, Readings>, values: &[(&str, Value)]) -> Settings {
-    let coarse = [
-        "ring.model",
-        "mesh.primaryArc",
-        "mesh.secondaryArc",
-        "mesh.strand",
-    ];
+    let coarse = ["ring.model", "mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"];
     let coarse = coarse.into_iter().zip([1, 4, 4, 4].map(Value::Integer));
     let mut settings = Settings::default();
     for (name, value) in coarse.chain(values.iter().copied()) {
@@ -93,10 +83,7 @@ fn found(table: &Table<Settings, Readings>, settings: &Settings) -> BTreeMap<Str
             let size = before.abs().max(after.abs());
             let stands = name.ends_with(".speed") && size < STILL;
             if (after - before).abs() > ROUNDING * size && !stands {
-                depends
-                    .entry(name.clone())
-                    .or_default()
-                    .insert(known.name.clone());
+                depends.entry(name.clone()).or_default().insert(known.name.clone());
             }
         }
     }
@@ -142,25 +129,15 @@ fn the_declared_dependencies_are_those_that_are_found() {
         for (name, knowns) in found(&table, &settings(&table, start)) {
             let output = table.by_name(&name).expect("listed");
             if let Some(declared) = table.initial_dependencies(output) {
-                let declared: BTreeSet<_> = declared
-                    .iter()
-                    .map(|place| &table.variables()[*place].name)
-                    .collect();
+                let declared: BTreeSet<_> =
+                    declared.iter().map(|place| &table.variables()[*place].name).collect();
                 let missing: Vec<_> = knowns.iter().filter(|known| !declared.contains(known)).collect();
-                assert!(
-                    missing.is_empty(),
-                    "{name} with {start:?} also depends on {missing:?}"
-                );
+                assert!(missing.is_empty(), "{name} with {start:?} also depends on {missing:?}");
             }
             seen.entry(name).or_default().extend(knowns);
         }
     }
-    let outputs = || {
-        table
-            .variables()
-            .iter()
-            .filter(|v| v.causality == Causality::Output)
-    };
+    let outputs = || table.variables().iter().filter(|v| v.causality == Causality::Output);
     let listed = outputs().filter_map(|v| Some((v, table.initial_dependencies(v)?)));
     assert_eq!(listed.clone().count(), 12);
     for (output, places) in listed {
@@ -184,9 +161,6 @@ fn the_declared_dependencies_are_those_that_are_found() {
 #[test]
 fn with_a_set_point_at_the_secondary_shaft_alone_the_primary_speed_depends_on_loads() {
     let table = VariatorUnit::table();
-    let depends = found(
-        &table,
-        &settings(&table, &[("secondary.drive", Value::Integer(2))]),
-    );
+    let depends = found(&table, &settings(&table, &[("secondary.drive", Value::Integer(2))]));
     assert!(depends["primary.speed"].contains("primary.torque"));
 }

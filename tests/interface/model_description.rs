@@ -12,19 +12,13 @@ use pushbelt::variator::settings::range_of;
 fn the_checked_in_files_are_generated_from_the_table() {
     for (name, generated) in [
         ("modelDescription.xml", model_description(Version::Two)),
-        (
-            "resources/modelDescription3.xml",
-            model_description(Version::Three),
-        ),
+        ("resources/modelDescription3.xml", model_description(Version::Three)),
         ("resources/terminalsAndIcons.xml", terminals()),
         ("fmu-build/exports.def", pushbelt_library::definition()),
     ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
         let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
-        let differing = generated
-            .lines()
-            .zip(checked_in.lines())
-            .position(|(a, b)| a != b);
+        let differing = generated.lines().zip(checked_in.lines()).position(|(a, b)| a != b);
         let shorter = generated.lines().count().min(checked_in.lines().count());
         assert!(
             generated == checked_in,
@@ -61,10 +55,7 @@ fn names_and_value_references_are_unique() {
             .eq([1036, 1039, 1075, 1048, 1045])
     );
     for retired in table.retired {
-        assert!(
-            !references.contains(&retired.reference),
-            "{retired} is used again"
-        );
+        assert!(!references.contains(&retired.reference), "{retired} is used again");
         assert!(table.by_name(retired.name).is_none(), "{retired}");
     }
 }
@@ -113,10 +104,7 @@ fn settings_have_legal_start_values_and_outputs_a_typical_size() {
         let Some(start) = start else {
             if let Kind::Real { range, .. } = &variable.kind {
                 let nominal = range.nominal.unwrap_or_else(|| panic!("{name} has none"));
-                assert!(
-                    nominal > 0.0 && range.max.is_none_or(|max| nominal <= max),
-                    "{name}"
-                );
+                assert!(nominal > 0.0 && range.max.is_none_or(|max| nominal <= max), "{name}");
             }
             continue;
         };
@@ -140,9 +128,7 @@ fn each_setting_has_a_field_of_its_own() {
         let others = match (&variable.kind, before[at]) {
             (_, None) => continue,
             (Kind::Real { range, .. }, Some(Value::Real(start))) => {
-                vec![Value::Real(
-                    range.max.map_or(2.0 * start, |max| 0.5 * (start + max)),
-                )]
+                vec![Value::Real(range.max.map_or(2.0 * start, |max| 0.5 * (start + max)))]
             }
             (Kind::Enumeration { of, .. }, Some(start)) => {
                 let items = of.items.iter().map(|item| Value::Integer(item.value.into()));

@@ -98,12 +98,7 @@ fn stiffness_mass_and_mesh_must_be_above_zero() {
 fn what_does_not_fit_is_named_with_variable_value_and_range() {
     type Case = (fn(&mut Parameters), &'static str, &'static str, &'static str);
     let cases: [Case; 18] = [
-        (
-            |p| p.mesh.secondary_arc = 7,
-            "mesh.secondaryArc",
-            "7",
-            "an even number",
-        ),
+        (|p| p.mesh.secondary_arc = 7, "mesh.secondaryArc", "7", "an even number"),
         // The wedge must open wider than the friction angle.
         (
             |p| p.friction.pulley = 0.2,
@@ -111,12 +106,7 @@ fn what_does_not_fit_is_named_with_variable_value_and_range() {
             "",
             "friction.pulley = 0.2",
         ),
-        (
-            |p| p.geometry.wedge_angle = 0.089,
-            "geometry.wedgeAngle",
-            "0.089",
-            "",
-        ),
+        (|p| p.geometry.wedge_angle = 0.089, "geometry.wedgeAngle", "0.089", ""),
         (
             |p| (p.ring_model, p.spatial) = (RingModel::Ale0, true),
             "ring.spatial",
@@ -138,18 +128,8 @@ fn what_does_not_fit_is_named_with_variable_value_and_range() {
             "between 0.342",
         ),
         (|p| p.geometry.belt_length = 0.9, "geometry.beltLength", "0.9", ""),
-        (
-            |p| p.geometry.center_distance = 0.4,
-            "geometry.beltLength",
-            "",
-            "",
-        ),
-        (
-            |p| p.belt.play = 0.0701,
-            "belt.play",
-            "0.0701",
-            "a tenth of the belt",
-        ),
+        (|p| p.geometry.center_distance = 0.4, "geometry.beltLength", "", ""),
+        (|p| p.belt.play = 0.0701, "belt.play", "0.0701", "a tenth of the belt"),
         (
             |p| p.primary.min_radius = p.primary.max_radius,
             "primary.minRadius",
@@ -167,12 +147,7 @@ fn what_does_not_fit_is_named_with_variable_value_and_range() {
             "",
             "none",
         ),
-        (
-            |p| p.geometry.wedge_angle = f64::NAN,
-            "geometry.wedgeAngle",
-            "NaN",
-            "",
-        ),
+        (|p| p.geometry.wedge_angle = f64::NAN, "geometry.wedgeAngle", "NaN", ""),
         (|p| p.friction.pulley = -1.0, "friction.pulley", "-1", ""),
     ];
     for (change, variable, value, range) in cases {

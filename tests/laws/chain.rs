@@ -83,13 +83,7 @@ fn oil_dissipates_and_cavitates() {
     }
     let smoothed = oil.film_damping * RATE_SMOOTHING;
     assert!(viscous(&oil, 0.9, -10.0) > -1.01 * smoothed, "across a wide gap");
-    assert_near(
-        viscous(&oil, 1.0, -1e4),
-        -oil.suction,
-        oil.suction,
-        1e-2,
-        "cavitation",
-    );
+    assert_near(viscous(&oil, 1.0, -1e4), -oil.suction, oil.suction, 1e-2, "cavitation");
 }
 
 fn cell(flow: f64, density: f64) -> Transport<f64> {
@@ -110,13 +104,7 @@ fn flux_takes_the_density_of_the_cell_upstream() {
 fn flux_at_rest_conserves() {
     assert_eq!(flux(&cell(0.0, 1.02), &cell(0.0, 1.02)), 0.0);
     let found = flux(&cell(0.0, 0.9), &cell(0.0, 1.1));
-    assert_near(
-        found,
-        -0.1 * UPWIND_SMOOTHING,
-        UPWIND_SMOOTHING,
-        1e-12,
-        "flux at rest",
-    );
+    assert_near(found, -0.1 * UPWIND_SMOOTHING, UPWIND_SMOOTHING, 1e-12, "flux at rest");
 }
 
 /// Between equal cells the flux is J ν at every speed, and the mirrored belt has the mirrored flux.

@@ -18,8 +18,5 @@ fn slope(f: impl Fn(f64) -> f64, step: f64) -> f64 {
 #[track_caller]
 fn assert_near(found: f64, expected: f64, scale: f64, bound: f64, what: &str) {
     let off = (found - expected).abs() / scale;
-    assert!(
-        off <= bound,
-        "{what}: {found} against {expected}, off by {off:.1e}"
-    );
+    assert!(off <= bound, "{what}: {found} against {expected}, off by {off:.1e}");
 }

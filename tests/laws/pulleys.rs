@@ -31,13 +31,7 @@ fn the_moment_is_the_slope_of_the_energy_in_every_direction() {
             ..TILT
         },
     ] {
-        for [x, y] in [
-            [0.0, 0.0],
-            [1e-6, -2e-6],
-            [3e-4, 1e-4],
-            [4e-4, -5e-4],
-            [-9e-4, 8e-4],
-        ] {
+        for [x, y] in [[0.0, 0.0], [1e-6, -2e-6], [3e-4, 1e-4], [4e-4, -5e-4], [-9e-4, 8e-4]] {
             let slopes = [
                 slope(|h| law.energy([x + h, y]), 1e-8),
                 slope(|h| law.energy([x, y + h]), 1e-8),

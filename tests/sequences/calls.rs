@@ -81,11 +81,7 @@ fn step() -> impl Strategy<Value = Call> {
 pub fn calls() -> impl Strategy<Value = Call> {
     let number = proptest::sample::select(&[1, 2, 0, -1, i32::MAX, i32::MIN][..]);
     let order = || prop_oneof![6 => Just(1), 1 => Just(0), 1 => Just(2)];
-    let derivative = (
-        0..REALS.len(),
-        order(),
-        prop_oneof![9 => -1e4..1e4, 1 => bad_number()],
-    );
+    let derivative = (0..REALS.len(), order(), prop_oneof![9 => -1e4..1e4, 1 => bad_number()]);
     let frequency = prop_oneof![3 => Just(50.0), 1 => bad_number()];
     let lifecycle = prop_oneof![
         4 => experiment(),

@@ -74,10 +74,7 @@ fn default_model(version: Version) -> Result<(), Failed> {
 /// Whether valgrind can be started.
 fn valgrind_is_there() -> bool {
     let mut command = Command::new("valgrind");
-    let silent = command
-        .arg("--version")
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
+    let silent = command.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());
     silent.status().is_ok_and(|status| status.success())
 }
 

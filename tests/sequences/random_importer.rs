@@ -116,13 +116,8 @@ impl<'a> RandomImporter<'a> {
         count(&self.seen.refused, status == Status::Error);
         let messages = self.importer.record.messages.borrow();
         assert!(status <= Status::Error, "{call:?}: {status:?}");
-        assert!(
-            status < Status::Error || !messages.is_empty(),
-            "{call:?} has no reason"
-        );
-        let panic = messages
-            .iter()
-            .find(|message| message.text.contains("internal error"));
+        assert!(status < Status::Error || !messages.is_empty(), "{call:?} has no reason");
+        let panic = messages.iter().find(|message| message.text.contains("internal error"));
         assert!(panic.is_none(), "{call:?}: {panic:?}");
     }
 

@@ -93,10 +93,7 @@ fn end_stops_hold_and_are_left_again() {
     let to_overdrive = inputs((0.0, 20e3), (-30.0, 6e3));
     let to_underdrive = inputs((0.0, 5e3), (-30.0, 12e3));
     for model in MODELS {
-        for (into, away, sign) in [
-            (to_overdrive, to_underdrive, 1.0),
-            (to_underdrive, to_overdrive, -1.0),
-        ] {
+        for (into, away, sign) in [(to_overdrive, to_underdrive, 1.0), (to_underdrive, to_overdrive, -1.0)] {
             let mut parameters = driven(model);
             // The stops are near, so that they are reached soon.
             let stops = [0.0560, 0.0585];
@@ -160,10 +157,7 @@ fn a_standstill_starts_clamped_and_holds_the_torque() {
         assert!(o.primary.speed.abs() < 0.1 && o.secondary.speed.abs() < 0.1);
         run.go(1e-3, 1e-3);
         let counts = run.variator.counts();
-        assert!(
-            counts.factorizations <= 20 && counts.residuals <= 200,
-            "{counts:?}"
-        );
+        assert!(counts.factorizations <= 20 && counts.residuals <= 200, "{counts:?}");
         let o = run.go(0.15, 1e-3);
         assert!(o.primary.speed.abs() < 0.1 && o.secondary.speed.abs() < 0.1);
         assert_close(o.secondary.axial_force, 9e3, 0.02, "secondary force");
@@ -262,11 +256,7 @@ fn the_belt_slips_without_clamping_forces_and_grips_again_with_them() {
         run.inputs = normal;
         let closed = run.go(0.5, 2e-3);
         assert_close(closed.secondary.axial_force, 9e3, 0.05, "secondary force");
-        assert!(
-            closed.slip.abs() < 0.03 && !closed.macro_slip,
-            "slip {}",
-            closed.slip
-        );
+        assert!(closed.slip.abs() < 0.03 && !closed.macro_slip, "slip {}", closed.slip);
         run.assert_balances();
     }
 }
@@ -344,12 +334,7 @@ fn a_start_in_equilibrium_at_an_end_stop_stays_there() {
             let after = run.go(0.5, 5e-3);
             assert_eq!(before.start_state, StartState::Steady);
             assert_close(after.ratio_geometric, before.ratio_geometric, 1e-4, "ratio");
-            assert_close(
-                after.primary.axial_force,
-                before.primary.axial_force,
-                1e-3,
-                "force",
-            );
+            assert_close(after.primary.axial_force, before.primary.axial_force, 1e-3, "force");
         }
     }
 }
@@ -438,11 +423,7 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
             let mut run = Run::new(coarse(model), inputs((torque, 13e3), (-torque, 10e3)));
             let o = run.outputs();
             assert!(run.warned("no steady state") && run.warned("capacity") && run.warned("% of them"));
-            assert!(
-                (0.75..1.05).contains(&o.torque_utilisation),
-                "{}",
-                o.torque_utilisation
-            );
+            assert!((0.75..1.05).contains(&o.torque_utilisation), "{}", o.torque_utilisation);
             assert!(!o.macro_slip && o.slip < 0.03);
             assert_eq!(o.start_state, StartState::ReducedTorque);
             assert_eq!(run.go(0.02, 1e-3).start_state, StartState::ReducedTorque);
@@ -488,20 +469,13 @@ type Start = (StartState, fn(&mut Parameters), Inputs);
 
 /// Each kind of start.
 fn starts() -> [Start; 7] {
-    let (usual, none) = (
-        inputs((50.0, 12e3), (-49.0, 9e3)),
-        inputs((50.0, 0.0), (-49.0, 0.0)),
-    );
+    let (usual, none) = (inputs((50.0, 12e3), (-49.0, 9e3)), inputs((50.0, 0.0), (-49.0, 0.0)));
     let still: fn(&mut Parameters) = |p| p.initial.primary_speed = 0.0;
     [
         (StartState::Unloaded, |p| p.initial.steady = false, usual),
         (StartState::Unloaded, still, none),
         (StartState::Steady, |_| {}, usual),
-        (
-            StartState::ReducedTorque,
-            |_| {},
-            inputs((400.0, 12e3), (-400.0, 9e3)),
-        ),
+        (StartState::ReducedTorque, |_| {}, inputs((400.0, 12e3), (-400.0, 9e3))),
         (
             StartState::NoEquilibrium,
             |p| (p.initial.equilibrium, p.secondary.drive) = (true, Drive::Speed),
@@ -526,11 +500,7 @@ fn sheaves_are_at_rest_at_the_start() {
                 let mut run = Run::new(parameters, given);
                 let o = run.outputs();
                 let moves = [&o.primary, &o.secondary].map(|of| [of.sheave_velocity, of.flow]);
-                assert_eq!(
-                    (o.start_state, moves),
-                    (kind, [[0.0; 2]; 2]),
-                    "{model:?} {mode:?}"
-                );
+                assert_eq!((o.start_state, moves), (kind, [[0.0; 2]; 2]), "{model:?} {mode:?}");
                 if kind == StartState::Clamped {
                     assert_close(o.primary.axial_force, 13e3, 0.02, "primary force");
                     let after = run.go(1e-3, 1e-3);

@@ -23,12 +23,7 @@ fn a_steady_chain_balances_its_power() {
             for torque in [50.0, -30.0] {
                 let state = driven(&chain(model), ratio, torque, SPEED);
                 let o = &state.outputs;
-                let absent = [
-                    o.push_force_max,
-                    o.losses.ring,
-                    o.losses.layers,
-                    o.ring_stress.max,
-                ];
+                let absent = [o.push_force_max, o.losses.ring, o.losses.layers, o.ring_stress.max];
                 assert_eq!(absent, [0.0; 4]);
                 assert_eq!([o.primary.idle_arc, o.secondary.idle_arc], [0.0; 2]);
                 assert!(o.losses.joints > 0.0 && o.ring_tension_min > 0.0);
@@ -51,19 +46,14 @@ fn friction_that_stays_costs_nothing() {
         for k in 1..=20 {
             if sets {
                 let friction = run.parameters().friction.clone();
-                run.set_friction(friction.pulley, friction.ring)
-                    .expect("in range");
+                run.set_friction(friction.pulley, friction.ring).expect("in range");
             }
             let torque = 2.0 * f64::from(k);
             run.advance(1e-3 * f64::from(k), &inputs((torque, 13e3), (-49.0, 10e3)))
                 .expect("a step");
         }
         assert!(run.parameters().friction.ring > 0.0 && run.system().parameters.friction.ring == 0.0);
-        (
-            run.counts(),
-            run.system().differentiations(),
-            run.outputs().clone(),
-        )
+        (run.counts(), run.system().differentiations(), run.outputs().clone())
     };
     assert_eq!(steps(true), steps(false));
 }

@@ -73,11 +73,7 @@ fn pressures_and_forces_give_the_same_bits() {
                 force.advance_along(to, &of(k), &rates).expect("a step");
                 let (of, rates) = (by_pressure(of(k), AREA), by_pressure(rates, AREA));
                 pressure.advance_along(to, &of, &rates).expect("a step");
-                assert_eq!(
-                    force.state(),
-                    pressure.state(),
-                    "{model:?}, {mode:?}, ramp {ramp}"
-                );
+                assert_eq!(force.state(), pressure.state(), "{model:?}, {mode:?}, ramp {ramp}");
                 assert_eq!(force.outputs().clone(), pressure.outputs().clone());
             }
         }
@@ -105,10 +101,7 @@ fn power_of_the_oil_is_the_work_on_the_sheave() {
                     let others = given.clamping_force + CYLINDER.passive_force(of.position, of.speed) - drag;
                     let mechanical = (of.clamping_force_total - others) * of.sheave_velocity;
                     let power = given.pressure * of.flow;
-                    assert!(
-                        (power - mechanical).abs() <= 1e-9 * power.abs(),
-                        "{power} {mechanical}"
-                    );
+                    assert!((power - mechanical).abs() <= 1e-9 * power.abs(), "{power} {mechanical}");
                     fluid = fluid.max(power.abs());
                     seals += drag * of.sheave_velocity;
                 }
@@ -270,10 +263,7 @@ fn a_start_without_load_has_springs_and_seals() {
         for speed in [0.0, 200.0] {
             let mut parameters = with(coarse(model), CYLINDER);
             (parameters.initial.steady, parameters.initial.primary_speed) = (false, speed);
-            let mut run = Run::new(
-                parameters,
-                by_pressure(inputs((0.0, 11e3), (0.0, 10e3)), CYLINDER.area),
-            );
+            let mut run = Run::new(parameters, by_pressure(inputs((0.0, 11e3), (0.0, 10e3)), CYLINDER.area));
             let o = run.go(0.1, 1e-3);
             let clamped = o.secondary.clamping_force_total;
             assert_close(o.secondary.axial_force, clamped, 0.05, "force of the belt");
@@ -294,12 +284,7 @@ fn a_pressure_that_opens_a_pulley_is_warned_about_once() {
         let o = run.go(2e-3, 1e-3);
         assert_eq!(o.primary.clamping_force_total, pressure * AREA);
     }
-    assert_eq!(
-        run.warnings("primary.pressure = -50000 Pa"),
-        1,
-        "{:?}",
-        run.messages
-    );
+    assert_eq!(run.warnings("primary.pressure = -50000 Pa"), 1, "{:?}", run.messages);
     // No clamping force at all is no opening pressure.
     let parameters = with(coarse(RingModel::Ale0), bare(AREA));
     let run = Run::new(parameters, inputs((0.0, 0.0), (0.0, 0.0)));
@@ -310,11 +295,7 @@ fn a_pressure_that_opens_a_pulley_is_warned_about_once() {
 /// pulley or both.
 #[test]
 fn a_pressure_without_an_area_is_warned_about_once() {
-    for (mode, area) in [
-        (Mode::Accurate, 0.0),
-        (Mode::RealTime, 0.0),
-        (Mode::Accurate, AREA),
-    ] {
+    for (mode, area) in [(Mode::Accurate, 0.0), (Mode::RealTime, 0.0), (Mode::Accurate, AREA)] {
         let mut parameters = with(coarse(RingModel::Ale0), bare(area));
         (parameters.solver.mode, parameters.primary.cylinder.area) = (mode, 0.0);
         let mut run = Run::new(parameters.clone(), inputs((50.0, 13e3), (-49.0, 10e3)));
@@ -327,10 +308,7 @@ fn a_pressure_without_an_area_is_warned_about_once() {
         }
         let idle = ["primary", "secondary"].map(|name| format!("{name}.cylinder.area is 0"));
         assert_eq!(run.warnings("has no effect"), 1, "{:?}", run.messages);
-        assert_eq!(
-            idle.map(|text| run.warnings(&text)),
-            [1, usize::from(area == 0.0)]
-        );
+        assert_eq!(idle.map(|text| run.warnings(&text)), [1, usize::from(area == 0.0)]);
     }
     let mut given = inputs((50.0, 0.0), (-49.0, 0.0));
     (given.primary.pressure, given.secondary.pressure) = (1.2e6, 1e6);
@@ -377,13 +355,7 @@ fn the_linear_model_has_pressures_and_flows() {
     ];
     let model =
         linearise(&with(coarse(RingModel::Ale), CYLINDER), &given, 20.0, &read).expect("a linear model");
-    let column = |name: String| {
-        model
-            .loads
-            .iter()
-            .position(|load| load.name() == name)
-            .expect("a load")
-    };
+    let column = |name: String| model.loads.iter().position(|load| load.name() == name).expect("a load");
     for pulley in Pulley::BOTH {
         let [force, pressure] =
             ["clampingForce", "pressure"].map(|name| column(format!("{}.{name}", pulley.name())));
@@ -391,10 +363,7 @@ fn the_linear_model_has_pressures_and_flows() {
         let rows = model.b.iter().map(|row| (row, 1e-9));
         for (row, share) in rows.chain(model.d.iter().map(|row| (row, 1e-6))) {
             let (found, expected) = (row[pressure], CYLINDER.area * row[force]);
-            assert!(
-                (found - expected).abs() <= share * expected.abs(),
-                "{found} {expected}"
-            );
+            assert!((found - expected).abs() <= share * expected.abs(), "{found} {expected}");
         }
     }
     // The whole force has a direct part, and follows place and speeds.
@@ -414,9 +383,6 @@ fn the_linear_model_has_pressures_and_flows() {
     assert_eq!(held.clamping_force, 0.0);
     assert_close(held.pressure, given.secondary.pressure, 1e-4, "pressure");
     assert!(held.pressure * CYLINDER.area + 500.0 < model.outputs.secondary.axial_force);
-    let is_named = model
-        .remarks
-        .iter()
-        .any(|remark| remark.contains("primary.pressure"));
+    let is_named = model.remarks.iter().any(|remark| remark.contains("primary.pressure"));
     assert!(is_named, "{:?}", model.remarks);
 }

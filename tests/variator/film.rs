@@ -36,11 +36,7 @@ fn slip_grows_with_the_play() {
     for (model, least) in [(RingModel::Ale, 0.0028), (RingModel::Ale0, 0.0025)] {
         let [less, more] =
             [2e-4, 4e-4].map(|play| slip(&film_variator(model), play).expect("a steady state"));
-        assert!(
-            (least..0.005).contains(&(more - less)),
-            "{model:?}: {}",
-            more - less
-        );
+        assert!((least..0.005).contains(&(more - less)), "{model:?}: {}", more - less);
     }
 }
 

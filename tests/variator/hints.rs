@@ -29,11 +29,7 @@ fn a_hopeless_start_is_refused() {
         let mut parameters = variator(model);
         parameters.initial.primary_speed = 5000.0;
         let given = inputs((50.0, 13e3), (-49.0, 10e3));
-        refused(
-            parameters,
-            given,
-            ["initial.primarySpeed = 5000", "rad/s", "below"],
-        );
+        refused(parameters, given, ["initial.primarySpeed = 5000", "rad/s", "below"]);
     }
 }
 
@@ -49,12 +45,9 @@ fn torques_beyond_capacity_are_not_tried() {
 #[test]
 fn a_slack_belt_at_rest_takes_its_first_step() {
     for model in MODELS {
-        for (ratio, steady, force) in [
-            (0.4, true, 0.0),
-            (1.0, true, 0.0),
-            (0.4, false, 1e4),
-            (2.2, false, 0.0),
-        ] {
+        for (ratio, steady, force) in
+            [(0.4, true, 0.0), (1.0, true, 0.0), (0.4, false, 1e4), (2.2, false, 0.0)]
+        {
             let mut parameters = variator(model);
             (parameters.initial.ratio, parameters.initial.primary_speed) = (ratio, 0.0);
             parameters.initial.steady = steady;
@@ -71,10 +64,7 @@ fn a_speed_in_rpm_is_remarked_upon_once() {
     let mut parameters = coarse(RingModel::Ale0);
     parameters.initial.primary_speed = 2000.0;
     let mut run = Run::new(parameters, inputs((50.0, 13e3), (-49.0, 10e3)));
-    assert_eq!(
-        run.warnings("is initial.primarySpeed in rpm? 2000 rpm are 209"),
-        1
-    );
+    assert_eq!(run.warnings("is initial.primarySpeed in rpm? 2000 rpm are 209"), 1);
     run.go(5e-3, 1e-3);
     let parameters = run.variator.parameters().clone();
     run.variator = restored(&mut run.variator, parameters);
@@ -155,10 +145,7 @@ fn ordinary_use_gets_no_hint() {
     runs.push(run);
     // Slipping by design, at a tenth of the force.
     let mut run = between_speeds();
-    (
-        run.inputs.primary.clamping_force,
-        run.inputs.secondary.clamping_force,
-    ) = (1.2e3, 1e3);
+    (run.inputs.primary.clamping_force, run.inputs.secondary.clamping_force) = (1.2e3, 1e3);
     run.go(0.3, 1e-2);
     runs.push(run);
     for run in &runs {

@@ -63,10 +63,7 @@ fn without_friction_the_thrust_ratio_is_that_of_the_wrap_angles() {
             [(2.5e9, 1), (1e10, 2), (4e10, 2)].map(|(k, mesh)| worst(&belt, k, mesh));
         for k in 0..2 {
             let falls = stiff[k] < 0.5 * stiffer[k] && stiffer[k] < 0.5 * soft[k];
-            assert!(
-                stiff[k] < 3e-4 && falls,
-                "{model:?}: {soft:?}, {stiffer:?}, {stiff:?}"
-            );
+            assert!(stiff[k] < 3e-4 && falls, "{model:?}: {soft:?}, {stiffer:?}, {stiff:?}");
         }
         let of_chain = worst(&chain(model), 4e10, 2)[0];
         assert!(of_chain < 3e-4, "{model:?}: {of_chain}");

@@ -74,10 +74,7 @@ fn irregular_steps(model: RingModel, random: u64, in_turn: u64) {
         ("in turn", alternating, in_turn, work(model, |_| 1.25e-3, 1.0)),
     ] {
         let share = total(found) as f64 / total(equal) as f64;
-        assert!(
-            share <= 1.3,
-            "{what}: {share} times the work, {found:?} for {equal:?}"
-        );
+        assert!(share <= 1.3, "{what}: {share} times the work, {found:?} for {equal:?}");
         assert_pinned(total(found), pinned, what);
     }
 }
@@ -107,10 +104,7 @@ fn held_inputs_reach_their_values_and_the_energy_balance_holds() {
         let mut run = Run::new(ramping(ramp), inputs((50.0, 13e3), (-49.0, 10e3)));
         for k in 0..60 {
             let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-            run.inputs = inputs(
-                (50.0 + 20.0 * sign, 13e3 + 500.0 * sign),
-                (-49.0, 10e3 - 300.0 * sign),
-            );
+            run.inputs = inputs((50.0 + 20.0 * sign, 13e3 + 500.0 * sign), (-49.0, 10e3 - 300.0 * sign));
             let step = [1e-3, 2.5e-3, 0.4e-3][k % 3];
             let outputs = run.go(step, step);
             let torque = outputs.primary.external_torque;
@@ -152,12 +146,8 @@ fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
         let until = driven.until();
         for run in std::iter::once(&mut driven.variator).chain(&mut again) {
             run.advance(until, &inputs).expect("a step");
-            let remark = |message: Message| {
-                message
-                    .text
-                    .contains("of simulation took")
-                    .then_some(message.text)
-            };
+            let remark =
+                |message: Message| message.text.contains("of simulation took").then_some(message.text);
             remarks.extend(run.take_messages().into_iter().filter_map(remark));
         }
         if again.is_none() && until > 0.9 {

@@ -51,12 +51,7 @@ fn torque_that_turns_the_variator_without_load() {
         let drag = 2.0 * (0.15 + 4e-4 * speed + 1.8e-3 * 0.02 * load);
         assert_close(o.losses.shafts / speed, drag, 0.01, "drag");
         assert_close(torque, expected, 0.05, "torque without load");
-        assert_close(
-            torque * speed,
-            o.losses.total(),
-            5e-3,
-            "the power supplied is the loss",
-        );
+        assert_close(torque * speed, o.losses.total(), 5e-3, "the power supplied is the loss");
     }
 }
 
@@ -105,10 +100,7 @@ fn loss_of_the_layers_is_that_of_their_law() {
             }
         }
         let even = idling(&parameters, 1.0, 20e3, SPEED).outputs;
-        assert!(
-            even.losses.layers >= 0.0 && even.losses.layers < 1e-2,
-            "{model:?}"
-        );
+        assert!(even.losses.layers >= 0.0 && even.losses.layers < 1e-2, "{model:?}");
     }
 }
 
@@ -136,12 +128,7 @@ fn loss_of_turning_elements_is_that_of_their_law() {
                 let elements = o.belt_speed * stack / length / parameters.belt.element_thickness;
                 let turning = |radius: f64| INERTIA * (o.belt_speed / radius).powi(2);
                 let expected = elements * (turning(o.primary.radius) + turning(o.secondary.radius));
-                assert_close(
-                    o.losses.element_rotation,
-                    expected,
-                    0.01,
-                    "loss of turning elements",
-                );
+                assert_close(o.losses.element_rotation, expected, 0.01, "loss of turning elements");
             }
             let torques = [(&slow, 2000.0), (&fast, 5000.0)]
                 .map(|(state, rpm)| state.outputs.losses.element_rotation / (rpm * RPM));
@@ -154,12 +141,7 @@ fn loss_of_turning_elements_is_that_of_their_law() {
                 let supplied = |state: &Steady| state.external_torques().primary * 5000.0 * RPM;
                 let rest = |state: &Steady| supplied(state) - state.outputs.losses.total();
                 let spin = fast.outputs.losses.element_rotation;
-                assert_close(
-                    supplied(&fast) - supplied(&without),
-                    spin,
-                    0.1,
-                    "power of the shaft",
-                );
+                assert_close(supplied(&fast) - supplied(&without), spin, 0.1, "power of the shaft");
                 assert!((rest(&fast) - rest(&without)).abs() < 0.01 * spin, "{model:?}");
             }
         }
@@ -180,9 +162,8 @@ fn a_variator_loses_less_than_a_whole_transmission() {
         (0.5, 2000.0, 41.0, 0.947),
         (0.5, 3000.0, 27.0, 0.795),
     ];
-    for (model, (ratio, rpm, torque, measured)) in MODELS
-        .into_iter()
-        .flat_map(|model| measured.map(|row| (model, row)))
+    for (model, (ratio, rpm, torque, measured)) in
+        MODELS.into_iter().flat_map(|model| measured.map(|row| (model, row)))
     {
         let parameters = variator(model);
         let force = clamping(&parameters, ratio, 1.3e3) * torque / 1e3;
@@ -191,10 +172,7 @@ fn a_variator_loses_less_than_a_whole_transmission() {
         let efficiency = with_spin
             + state.outputs.losses.element_rotation / (state.external_torques().primary * rpm * RPM);
         assert!(with_spin < efficiency);
-        assert!(
-            efficiency > measured && efficiency < 0.99,
-            "{efficiency} at {ratio}"
-        );
+        assert!(efficiency > measured && efficiency < 0.99, "{efficiency} at {ratio}");
     }
 }
 

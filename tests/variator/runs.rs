@@ -273,26 +273,18 @@ fn a_parameter_next_to_zero_is_as_at_zero_or_refused() {
     let given = inputs((20.0, 13e3), (-20.0, 10e3));
     let attempt = |parameters: Parameters| {
         let mut variator = Variator::new(parameters).map_err(|error| error.to_string())?;
-        variator
-            .initialise(0.0, &given)
-            .map_err(|_| "no start".to_owned())?;
+        variator.initialise(0.0, &given).map_err(|_| "no start".to_owned())?;
         let more = inputs((23.0, 13e3), (-20.0, 10e3));
         variator.advance(3e-3, &more).map_err(|error| error.to_string())?;
         Ok::<_, String>(variator.outputs().clone())
     };
-    let may_be_0 = |one: &Setting<Parameters>| {
-        one.range()
-            .is_some_and(|[least, most]| least <= 0.0 && 0.0 <= most)
-    };
+    let may_be_0 =
+        |one: &Setting<Parameters>| one.range().is_some_and(|[least, most]| least <= 0.0 && 0.0 <= most);
     for variable in parameters().filter(may_be_0).map(Setting::variable) {
         let name = &variable.name;
         let [zero, next] = [0.0, 1e-170].map(|value| {
             let mut parameters = coarse(RingModel::Ale0);
-            assert_eq!(
-                variable.set(&mut parameters, Value::Real(value)),
-                Ok(()),
-                "{name}"
-            );
+            assert_eq!(variable.set(&mut parameters, Value::Real(value)), Ok(()), "{name}");
             attempt(parameters)
         });
         match (next, zero) {

@@ -159,10 +159,7 @@ fn power_balance_out_of_plane() {
         let mut parameters = spatial(1.0e-3);
         parameters.mesh = parameters.mesh.refined(refinement);
         let defect = at_ratio(&parameters, RATIO).power_defect();
-        assert!(
-            defect.abs() < 3e-5,
-            "{defect} with {refinement} times the elements"
-        );
+        assert!(defect.abs() < 3e-5, "{defect} with {refinement} times the elements");
     }
 }
 

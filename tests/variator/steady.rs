@@ -17,9 +17,7 @@ use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, mesh, varia
 
 /// Smallest and largest.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-        (a.min(x), b.max(x))
-    })
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
 }
 
 /// The push force rises along the primary arc, is constant in the push strand, falls along the
@@ -34,10 +32,7 @@ fn assert_course_of_push_force(state: &Steady, name: &str) {
         range(stations.iter().filter(free).map(|at| at.sample.push))
     };
     let (low, high) = strand(3);
-    assert!(
-        high - low <= 0.01 * high,
-        "{name}: push strand, {low} to {high} N"
-    );
+    assert!(high - low <= 0.01 * high, "{name}: push strand, {low} to {high} N");
     let (_, left) = strand(1);
     assert!(left <= 0.01 * high, "{name}: pulling strand, {left} of {high} N");
     let friction = &state.system.parameters.friction;
@@ -62,10 +57,7 @@ fn assert_course_of_push_force(state: &Steady, name: &str) {
             );
         }
         let change = sign * (course[course.len() - 1].push - course[0].push);
-        assert!(
-            change > 0.75 * high,
-            "{name}: {change} of {high} N on the {arc} arc"
-        );
+        assert!(change > 0.75 * high, "{name}: {change} of {high} N on the {arc} arc");
     }
 }
 
@@ -87,17 +79,9 @@ fn nine_load_cases_balance_their_power() {
                 // Measured belts slip by 2 to 4 % at 95 % of the peak of traction in underdrive;
                 // here the utilisation is 0.77.
                 assert!(o.slip > 0.0 && o.slip < 0.035, "{name}");
-                assert!(
-                    o.efficiency < o.belt_efficiency && o.belt_efficiency < 1.0,
-                    "{name}"
-                );
+                assert!(o.efficiency < o.belt_efficiency && o.belt_efficiency < 1.0, "{name}");
                 let losses = &o.losses;
-                let positive = [
-                    losses.sheaves,
-                    losses.ring,
-                    losses.element_rotation,
-                    losses.shafts,
-                ];
+                let positive = [losses.sheaves, losses.ring, losses.element_rotation, losses.shafts];
                 assert!(positive.iter().all(|loss| *loss > 0.0), "{name}");
                 assert!(losses.other >= 0.0 && losses.layers >= 0.0, "{name}");
                 if model == RingModel::Ale {
@@ -110,10 +94,7 @@ fn nine_load_cases_balance_their_power() {
                 assert_course_of_push_force(&state, &name);
                 thrust.push(o.thrust_ratio);
             }
-            assert!(
-                thrust[0] < thrust[1] && thrust[1] < thrust[2],
-                "{model:?}: {thrust:?}"
-            );
+            assert!(thrust[0] < thrust[1] && thrust[1] < thrust[2], "{model:?}: {thrust:?}");
         }
     }
 }
@@ -154,11 +135,7 @@ fn mesh_and_friction_velocity_are_fine_enough() {
                     load_case(&changed, &case)
                 };
                 let defect = of(|p| p.mesh = p.mesh.refined(4)).power_defect();
-                assert!(
-                    defect.abs() <= 5e-4,
-                    "{model:?} {} {torque} N·m: {defect:e}",
-                    case.name
-                );
+                assert!(defect.abs() <= 5e-4, "{model:?} {} {torque} N·m: {defect:e}", case.name);
                 if model == RingModel::Ale0 {
                     continue;
                 }
@@ -172,12 +149,7 @@ fn mesh_and_friction_velocity_are_fine_enough() {
                 for (a, b, bound, what) in [
                     (usual.thrust_ratio, finer.thrust_ratio, 0.01, "thrust ratio"),
                     (usual.primary.spiral, finer.primary.spiral, 0.05, "spiral on P"),
-                    (
-                        usual.secondary.spiral,
-                        finer.secondary.spiral,
-                        0.05,
-                        "spiral on S",
-                    ),
+                    (usual.secondary.spiral, finer.secondary.spiral, 0.05, "spiral on S"),
                     (usual.thrust_ratio, sharp.thrust_ratio, 5e-3, "sharp friction"),
                 ] {
                     assert_close(a, b, bound, what);
@@ -208,9 +180,7 @@ fn tension_ripple(state: &Steady) -> [f64; 2] {
     let off = |tension: f64| (tension / whole - 1.0).abs();
     let stations = stations.iter().filter(|at| inner(at.element));
     let points = stations.map(|at| off(at.sample.tension)).fold(0.0, f64::max);
-    let means = (0..n)
-        .filter(|&i| inner(i))
-        .map(|i| off(mean(&|element| element == i)));
+    let means = (0..n).filter(|&i| inner(i)).map(|i| off(mean(&|element| element == i)));
     [points, means.fold(0.0, f64::max)]
 }
 
@@ -226,11 +196,7 @@ fn ring_tension_is_constant_without_ring_friction() {
     for case in LoadCase::three(&parameters, 50.0) {
         let [points, means] = tension_ripple(&load_case(&parameters, &case));
         let [fine_points, _] = tension_ripple(&load_case(&fine, &case));
-        assert!(
-            means < 0.015 && points < 0.09 && fine_points < 0.02,
-            "{}",
-            case.name
-        );
+        assert!(means < 0.015 && points < 0.09 && fine_points < 0.02, "{}", case.name);
     }
 }
 
@@ -265,12 +231,7 @@ fn equal_pulleys_with_equal_torques_share_the_thrust() {
         assert!(half > 0.0, "losses must be supplied");
         let o = transmitting(&variator(model), 1.0, 10e3, half, SPEED).outputs;
         assert!((o.thrust_ratio - 1.0).abs() < 1e-6);
-        assert_close(
-            o.primary.shaft_torque,
-            o.secondary.shaft_torque,
-            1e-4,
-            "shaft torques",
-        );
+        assert_close(o.primary.shaft_torque, o.secondary.shaft_torque, 1e-4, "shaft torques");
     }
 }
 
@@ -407,9 +368,7 @@ fn strands_and_shafts_have_the_same_moments() {
 fn a_tilt_is_that_of_the_axial_force() {
     let parameters = coarse(RingModel::Ale);
     let mut variator = Variator::new(parameters.clone()).expect("valid parameters");
-    variator
-        .initialise(0.0, &Inputs::default())
-        .expect("a steady state");
+    variator.initialise(0.0, &Inputs::default()).expect("a steady state");
     let outputs = variator.outputs();
     for (pulley, of) in Pulley::BOTH.into_iter().zip([outputs.secondary, outputs.primary]) {
         let law = &parameters.pulley(pulley).tilt;

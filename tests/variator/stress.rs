@@ -11,10 +11,7 @@ use pushbelt_support::variators::{MODELS, SPEED, coarse, inputs, variator};
 fn section(parameters: &Parameters) -> [f64; 2] {
     let layers = &parameters.layers;
     let area = 2.0 * f64::from(layers.count) * layers.width * layers.thickness;
-    [
-        area,
-        0.5 * parameters.ring.axial_stiffness / area * layers.thickness,
-    ]
+    [area, 0.5 * parameters.ring.axial_stiffness / area * layers.thickness]
 }
 
 /// At full load the largest stress is on the smaller pulley: tension over area and E t/2 times the
@@ -99,11 +96,9 @@ fn the_field_has_the_cycles_of_the_outputs() {
     let mut run = Run::new(parameters, inputs((50.0, 20e3), (-24.0, 11e3)));
     let o = run.go(0.02, 1e-3);
     let field = run.variator.profile().ring_stress;
-    let (low, high) = field
-        .iter()
-        .fold((f64::INFINITY, 0.0_f64), |(low, high), stress| {
-            (low.min(*stress), high.max(*stress))
-        });
+    let (low, high) = field.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), stress| {
+        (low.min(*stress), high.max(*stress))
+    });
     let stress = &o.ring_stress;
     assert_close(high, stress.max, 0.03, "largest stress");
     let valley = stress.mean.secondary - stress.amplitude.secondary;

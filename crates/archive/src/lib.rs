@@ -304,16 +304,9 @@ mod tests {
     fn what_does_not_fit_is_found_out() {
         let bytes = bytes();
         for end in 0..bytes.len() {
-            assert_eq!(
-                read(&bytes[..end], &mut Thing::default()),
-                Err(Mismatch),
-                "{end} bytes"
-            );
+            assert_eq!(read(&bytes[..end], &mut Thing::default()), Err(Mismatch), "{end} bytes");
         }
-        assert_eq!(
-            read(&[&bytes[..], &[0]].concat(), &mut Thing::default()),
-            Err(Mismatch)
-        );
+        assert_eq!(read(&[&bytes[..], &[0]].concat(), &mut Thing::default()), Err(Mismatch));
         let mut longer = Archive::reader(&bytes);
         longer.reals(&mut [0.0; 4]);
         assert_eq!(longer.finish(), Err(Mismatch));

@@ -39,10 +39,8 @@ impl Unit for Lag {
     fn table() -> Table<Settings, f64> {
         use Causality::{Input, Output, Parameter};
         type V = Variable<Settings, f64>;
-        const UNITS: &[UnitDefinition] = &[
-            UnitDefinition::new("1", &[]),
-            UnitDefinition::new("s", &[("s", 1)]),
-        ];
+        const UNITS: &[UnitDefinition] =
+            &[UnitDefinition::new("1", &[]), UnitDefinition::new("s", &[("s", 1)])];
         let variables = vec![
             V::real(1, "y", "Output", Output, "1", Access::Reading(|output| *output)),
             V::real(2, "u", "Input", Input, "1", setting!(input)),

@@ -105,9 +105,7 @@ fn default_experiment(identity: &Identity) -> Element {
 /// A unit, with its display units.
 fn unit_definition(unit: &UnitDefinition) -> Element {
     let (exponents, display) = (unit.exponents.iter(), unit.display.iter());
-    let base = exponents.fold(Element::new("BaseUnit"), |base, (name, value)| {
-        base.with(name, value)
-    });
+    let base = exponents.fold(Element::new("BaseUnit"), |base, (name, value)| base.with(name, value));
     let display = display.map(|(name, factor)| {
         let display = Element::new("DisplayUnit").with("name", name);
         display.with("factor", Number(*factor))
@@ -259,9 +257,7 @@ fn model_structure<S, R>(version: Version, table: &Table<S, R>) -> Element {
             .with("dependencies", numbers.join(" "))
             .with("dependenciesKind", vec!["dependent"; known.len()].join(" "))
     };
-    let in_run = outputs
-        .clone()
-        .map(|index| depending(unknown("Output", index), &[]));
+    let in_run = outputs.clone().map(|index| depending(unknown("Output", index), &[]));
     let initial = outputs.map(|index| {
         let unknown = unknown("InitialUnknown", index);
         match table.initial_dependencies(&table.variables()[index]) {

@@ -46,10 +46,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// # Errors
 /// It is neither an absolute path nor the URI of a local file.
 pub(crate) fn folders(location: &str) -> Result<Vec<PathBuf>, String> {
-    Ok(read(location, cfg!(windows))?
-        .into_iter()
-        .map(PathBuf::from)
-        .collect())
+    Ok(read(location, cfg!(windows))?.into_iter().map(PathBuf::from).collect())
 }
 
 /// The resources of the archive that a library was unpacked with: it is in the platform's folder in
@@ -77,10 +74,7 @@ fn read(location: &str, windows: bool) -> Result<Vec<String>, String> {
     }
     let path = path_of(rest, windows).map_err(|why| format!("the resource location {location:?} {why}"))?;
     // `/C:/a` is `C:/a`.
-    let path = path
-        .strip_prefix('/')
-        .filter(|path| has_drive(path))
-        .unwrap_or(&path);
+    let path = path.strip_prefix('/').filter(|path| has_drive(path)).unwrap_or(&path);
     let [as_is, decoded] = as_is_or_decoded(path);
     Ok(vec![decoded, as_is])
 }
@@ -106,9 +100,7 @@ fn path_of(rest: &str, windows: bool) -> Result<String, String> {
     } else if windows {
         Ok(format!("//{authority}{path}"))
     } else {
-        Err(format!(
-            "names the host {authority:?}; only local files can be read"
-        ))
+        Err(format!("names the host {authority:?}; only local files can be read"))
     }
 }
 
@@ -166,12 +158,7 @@ mod tests {
     #[test]
     fn locations_that_are_not_local_files_are_refused() {
         let relative = ["a/b", "%", "file:relative", "c:relative"];
-        for location in [
-            &relative[..],
-            &["https://x/y", "file://", "file:", "file://server/a"],
-        ]
-        .concat()
-        {
+        for location in [&relative[..], &["https://x/y", "file://", "file:", "file://server/a"]].concat() {
             let error = read(location, false).expect_err(location);
             assert!(error.contains(&format!("{location:?}")), "{error}");
         }

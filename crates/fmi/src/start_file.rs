@@ -51,10 +51,7 @@ pub(crate) fn find<U: Unit>(
             return settings.map(Some).map_err(unusable);
         }
     }
-    let searched: Vec<_> = folders
-        .iter()
-        .map(|folder| folder.display().to_string())
-        .collect();
+    let searched: Vec<_> = folders.iter().map(|folder| folder.display().to_string()).collect();
     match (is_copy, searched.is_empty()) {
         (false, _) => Ok(None),
         (true, false) => Err(format!(

@@ -401,10 +401,7 @@ impl<S, R> Variable<S, R> {
                 if of.items.iter().any(|item| i64::from(item.value) == number) {
                     return Ok(value);
                 }
-                let items = of
-                    .items
-                    .iter()
-                    .map(|item| format!("{} {}", item.value, item.name));
+                let items = of.items.iter().map(|item| format!("{} {}", item.value, item.name));
                 items.collect::<Vec<_>>().join(", ")
             }
             (Kind::Boolean { .. }, Value::Integer(number)) => return Ok(Value::Boolean(number != 0)),
@@ -481,9 +478,7 @@ impl<S, R> Table<S, R> {
         variables: Vec<Variable<S, R>>,
     ) -> Self {
         let numbered = variables.iter().enumerate();
-        let by_reference = numbered
-            .map(|(index, variable)| (variable.reference, index))
-            .collect();
+        let by_reference = numbered.map(|(index, variable)| (variable.reference, index)).collect();
         let is_used = |name| {
             variables
                 .iter()
@@ -513,9 +508,7 @@ impl<S, R> Table<S, R> {
     /// The array that a variable with this value reference is an element of.
     #[must_use]
     pub fn array_of(&self, reference: u32) -> Option<&Array> {
-        self.arrays
-            .iter()
-            .find(|array| array.elements().contains(&reference))
+        self.arrays.iter().find(|array| array.elements().contains(&reference))
     }
 
     /// The variables in order.
@@ -527,9 +520,7 @@ impl<S, R> Table<S, R> {
     /// The variable with a value reference.
     #[must_use]
     pub fn by_reference(&self, reference: u32) -> Option<&Variable<S, R>> {
-        self.by_reference
-            .get(&reference)
-            .map(|index| &self.variables[*index])
+        self.by_reference.get(&reference).map(|index| &self.variables[*index])
     }
 
     /// The variable with a name.

@@ -70,10 +70,7 @@ impl Element {
     }
 
     fn write(&self, writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
-        let attributes = self
-            .attributes
-            .iter()
-            .map(|(name, value)| (*name, value.as_str()));
+        let attributes = self.attributes.iter().map(|(name, value)| (*name, value.as_str()));
         let start = BytesStart::new(self.tag).with_attributes(attributes);
         if self.children.is_empty() {
             return writer.write_event(Event::Empty(start));

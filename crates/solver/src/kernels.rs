@@ -209,11 +209,7 @@ mod tests {
     #[test]
     fn products_are_those_of_any_size() {
         fn compare<const R: usize, const C: usize>(columns: usize) {
-            let (a, x, y) = (
-                numbers(R * C, 1),
-                numbers(C * columns, 2),
-                numbers(R * columns, 3),
-            );
+            let (a, x, y) = (numbers(R * C, 1), numbers(C * columns, 2), numbers(R * columns, 3));
             for update in [Update::Set, Update::Add, Update::Subtract] {
                 let (mut fixed, mut any, mut single) = (y.clone(), y.clone(), [y.clone(), y.clone()]);
                 gemm::<R, C>(update, [R, C], &a, &x, &mut fixed);

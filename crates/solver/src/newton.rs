@@ -63,13 +63,7 @@ pub struct Counts {
 impl Counts {
     pub(super) fn each_mut(&mut self) -> [&mut u64; 5] {
         let [steps, rejected, failed] = [&mut self.steps, &mut self.rejected, &mut self.failed];
-        [
-            steps,
-            rejected,
-            failed,
-            &mut self.residuals,
-            &mut self.factorizations,
-        ]
+        [steps, rejected, failed, &mut self.residuals, &mut self.factorizations]
     }
 }
 
@@ -184,11 +178,7 @@ impl Stage {
             *rate = self.alpha * (y - base);
         }
         let beta = 1.0 / self.alpha;
-        let new = self
-            .position
-            .iter()
-            .zip(&*y)
-            .map(|(position, y)| position + beta * y);
+        let new = self.position.iter().zip(&*y).map(|(position, y)| position + beta * y);
         for ((q, has), new) in q.iter_mut().zip(has_position).zip(new) {
             *q = if *has { new } else { *q };
         }

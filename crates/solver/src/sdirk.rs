@@ -118,8 +118,7 @@ impl Sdirk {
     #[must_use]
     pub fn slope_rate(&self, unknown: usize) -> f64 {
         let [first, second] = self.stages.each_ref().map(|stage| stage.state.y_dot[unknown]);
-        self.last_step
-            .map_or(0.0, |h| (second - first) / ((1.0 - GAMMA) * h))
+        self.last_step.map_or(0.0, |h| (second - first) / ((1.0 - GAMMA) * h))
     }
 
     /// Writes to an archive, or reads from it, all that later steps depend on but [the factored

@@ -128,10 +128,7 @@ pub fn run_portable(workspace: &Workspace, folder: &Path) -> anyhow::Result<()> 
     for version in [Version::Two, Version::Three] {
         let path = workspace.fmu(MODEL_IDENTIFIER, version);
         let name = path.file_name().context("an FMU has a name")?;
-        write(
-            collect(workspace, &binaries, machines, version)?,
-            &folder.join(name),
-        )?;
+        write(collect(workspace, &binaries, machines, version)?, &folder.join(name))?;
     }
     Ok(())
 }
@@ -204,10 +201,7 @@ pub fn run_map(workspace: &Workspace, version: Version) -> anyhow::Result<PathBu
     exports::check_standard(&bytes).with_context(|| format!("{} can't be packed", library.display()))?;
     archive.add(binary, bytes)?;
     archive.add("modelDescription.xml", description.into_bytes())?;
-    archive.add(
-        "resources/maps.json",
-        read(&workspace.map_tables().join("maps.json"))?,
-    )?;
+    archive.add("resources/maps.json", read(&workspace.map_tables().join("maps.json"))?)?;
     add_licenses(&mut archive, workspace)?;
     add_third_party(&mut archive, workspace, false)?;
     let path = workspace.fmu(MAP_IDENTIFIER, version);
@@ -268,10 +262,7 @@ fn collect(
         None => xml,
     };
     archive.add("modelDescription.xml", dated)?;
-    archive.add(
-        "terminalsAndIcons/terminalsAndIcons.xml",
-        read(&workspace.terminals())?,
-    )?;
+    archive.add("terminalsAndIcons/terminalsAndIcons.xml", read(&workspace.terminals())?)?;
     for (name, content) in icons::files() {
         archive.add(format!("terminalsAndIcons/{name}"), content)?;
     }
@@ -280,10 +271,7 @@ fn collect(
     let description = read(&workspace.model_description(Version::Two))?;
     let description = Description::parse(std::str::from_utf8(&description)?)?;
     archive.add("documentation/index.html", documentation(&description, interface))?;
-    archive.add(
-        "documentation/fmi-ls-ref.html",
-        REFERENCE_PAGE.as_bytes().to_vec(),
-    )?;
+    archive.add("documentation/fmi-ls-ref.html", REFERENCE_PAGE.as_bytes().to_vec())?;
     let reference = workspace.root().join("resources/reference");
     for extension in ["xml", "exp", "ssv", "csv"] {
         for (name, content) in files(&reference, extension)? {

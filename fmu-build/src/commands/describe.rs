@@ -74,11 +74,7 @@ pub fn outdated(workspace: &Workspace) -> anyhow::Result<Vec<String>> {
 /// The other files with their contents.
 fn derived(workspace: &Workspace, xml: &str) -> anyhow::Result<[(PathBuf, String); 2]> {
     let page = workspace.root().join("docs").join("variables.md");
-    let python = workspace
-        .root()
-        .join("python")
-        .join("pushbelt")
-        .join("_version.py");
+    let python = workspace.root().join("python").join("pushbelt").join("_version.py");
     Ok([
         (page, Description::parse(xml)?.to_markdown()),
         (python, version_module(VERSION)),
@@ -96,10 +92,7 @@ mod tests {
     #[test]
     fn checked_in_files_are_up_to_date() {
         let outdated = outdated(&Workspace::find().unwrap()).unwrap();
-        assert!(
-            outdated.is_empty(),
-            "write {outdated:?} anew by `cargo fmu describe`"
-        );
+        assert!(outdated.is_empty(), "write {outdated:?} anew by `cargo fmu describe`");
     }
 
     #[test]

@@ -225,10 +225,7 @@ fn has_one(words: &[String], options: &[&str]) -> bool {
 /// The command that started this tool, for a shell: the reports name it.
 fn command_line(arguments: impl Iterator<Item = String>) -> String {
     let plain = |word: &str| {
-        !word.is_empty()
-            && word
-                .chars()
-                .all(|c| c.is_alphanumeric() || "-_=./:,+@%".contains(c))
+        !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "-_=./:,+@%".contains(c))
     };
     let quoted = |word: String| {
         if plain(&word) {
@@ -254,15 +251,8 @@ mod tests {
 
     #[test]
     fn the_command_line_can_be_pasted_into_a_shell() {
-        let words = [
-            "calibrate",
-            "my table.csv",
-            "--",
-            "--map",
-            "i=ratio.geometric",
-            "it's",
-        ]
-        .map(str::to_owned);
+        let words =
+            ["calibrate", "my table.csv", "--", "--map", "i=ratio.geometric", "it's"].map(str::to_owned);
         assert_eq!(
             command_line(words.into_iter()),
             "cargo fmu calibrate 'my table.csv' -- --map i=ratio.geometric 'it'\"'\"'s'"
@@ -282,19 +272,11 @@ mod tests {
             ("drive -- --until 400", Some("pushbelt.drive"), "--until 400"),
             ("bench -- --quick --only begj", None, "--quick --only begj"),
             ("bench --maps", Some("pushbelt.maps"), "--measure"),
-            (
-                "bench -- --calibrate",
-                Some("pushbelt_benchmarks.calibration"),
-                "",
-            ),
+            ("bench -- --calibrate", Some("pushbelt_benchmarks.calibration"), ""),
         ] {
             let (name, rest) = command.split_once(' ').unwrap_or((command, ""));
             let program = Program::of(name).expect(name);
-            assert_eq!(
-                program.chosen(&words(rest)),
-                (module, words(expected)),
-                "{command}"
-            );
+            assert_eq!(program.chosen(&words(rest)), (module, words(expected)), "{command}");
         }
     }
 

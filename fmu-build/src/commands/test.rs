@@ -158,9 +158,7 @@ fn rust_tests(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()
         // All targets with tests; clippy compiles the others.
         test(&words(&format!("--release --workspace --exclude {TOOL} --tests")))?;
         test(&words(&format!("--release --workspace --exclude {TOOL} --doc")))?;
-        test(&words(
-            "--tests -p pushbelt-archive -p pushbelt-fmi -p pushbelt-solver",
-        ))?;
+        test(&words("--tests -p pushbelt-archive -p pushbelt-fmi -p pushbelt-solver"))?;
         return test(&words(&format!(
             "--package {TOOL} --profile tool --all-features -- --include-ignored"
         )));
@@ -180,10 +178,7 @@ fn rust_tests(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()
 fn first_tier(metadata: &Value) -> anyhow::Result<(Vec<String>, Vec<String>)> {
     let mut chosen = vec!["--release".to_owned(), "--lib".to_owned()];
     let mut left = Vec::new();
-    for package in metadata["packages"]
-        .as_array()
-        .context("cargo names no packages")?
-    {
+    for package in metadata["packages"].as_array().context("cargo names no packages")? {
         let name = package["name"].as_str().context("a package has a name")?;
         let targets: Vec<&Value> = package["targets"].as_array().into_iter().flatten().collect();
         let tested = |target: &&&Value| target["test"] == true;
@@ -221,13 +216,7 @@ mod tests {
         let mut expected: Vec<&str> = SECOND_TIER.into_iter().chain(SECOND_TIER_PACKAGES).collect();
         expected.sort_unstable();
         assert_eq!(left, expected);
-        for word in [
-            "pushbelt",
-            "pushbelt-archive",
-            "pushbelt-solver",
-            "pushbelt-fmi",
-            "fmi",
-        ] {
+        for word in ["pushbelt", "pushbelt-archive", "pushbelt-solver", "pushbelt-fmi", "fmi"] {
             assert!(chosen.iter().any(|chosen| chosen == word), "{word}: {chosen:?}");
         }
         assert!(

@@ -76,12 +76,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
 
 /// Names of the FMUs in the wheel, by identifier and version.
 fn names() -> impl Iterator<Item = (&'static str, Version, String)> {
-    [MODEL_IDENTIFIER, MAP_IDENTIFIER]
-        .into_iter()
-        .flat_map(|identifier| {
-            [(Version::Two, ""), (Version::Three, "3")]
-                .map(|(version, suffix)| (identifier, version, format!("{identifier}{suffix}.fmu")))
-        })
+    [MODEL_IDENTIFIER, MAP_IDENTIFIER].into_iter().flat_map(|identifier| {
+        [(Version::Two, ""), (Version::Three, "3")]
+            .map(|(version, suffix)| (identifier, version, format!("{identifier}{suffix}.fmu")))
+    })
 }
 
 /// The FMU of FMI 2.0 under the name that it has in the wheel, and the others in its folder.

@@ -13,9 +13,6 @@ fn main() -> Result<(), String> {
         Version::Two
     };
     let settings = MapUnit::load(Some(folder.as_ref()))?;
-    print!(
-        "{}",
-        model_description::<MapUnit>(version, MapUnit::data(&settings))
-    );
+    print!("{}", model_description::<MapUnit>(version, MapUnit::data(&settings)));
     Ok(())
 }

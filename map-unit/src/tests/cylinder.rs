@@ -67,21 +67,14 @@ fn cylinders_move_the_sheaves() {
                     of.axial_force
                 );
                 assert_eq!(of.flow, cylinder.area * of.sheave_velocity);
-                assert!(
-                    (of.volume - cylinder.area * position).abs() < 1e-15,
-                    "{}",
-                    of.volume
-                );
+                assert!((of.volume - cylinder.area * position).abs() < 1e-15, "{}", of.volume);
                 let moved = way * (of.radius - before.radius) / 1e-3;
                 let mean = 0.5 * (of.sheave_velocity + before.sheave_velocity);
                 let follows = (moved - mean).abs() <= 0.05 * mean.abs() + 1e-9;
                 assert!(count < 5 || follows, "{moved} {mean}");
                 rubbed += drag * of.sheave_velocity;
             }
-            assert!(
-                (now.losses.seals - rubbed).abs() <= 1e-12 * rubbed,
-                "step {count}"
-            );
+            assert!((now.losses.seals - rubbed).abs() <= 1e-12 * rubbed, "step {count}");
             before = now;
         }
         assert!(before.primary.flow > 0.0 && before.secondary.flow < 0.0);
@@ -115,10 +108,7 @@ fn a_pressure_without_an_area_is_warned_about_once() {
     for to in [0.01, 0.02] {
         remarks.extend(step(&mut unit, &settings, to, None).expect("a step"));
     }
-    let texts: Vec<_> = remarks
-        .iter()
-        .map(|remark| (remark.warning, &*remark.text))
-        .collect();
+    let texts: Vec<_> = remarks.iter().map(|remark| (remark.warning, &*remark.text)).collect();
     let [(true, first), (true, second)] = texts[..] else {
         panic!("{texts:?}");
     };

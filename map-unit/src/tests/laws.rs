@@ -67,11 +67,7 @@ fn torque_is_continuous_and_falls_in_fast_sliding() {
         };
         let values: Vec<f64> = (0..=20_000).map(at).collect();
         let most = values.iter().copied().fold(0.0, f64::max);
-        assert!(
-            values
-                .windows(2)
-                .all(|pair| (pair[1] - pair[0]).abs() < 0.01 * most)
-        );
+        assert!(values.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.01 * most));
         (most, values[20_000])
     });
     let fall = 1.0 - fast / most;

@@ -38,10 +38,7 @@ fn a_run_starts_steady_and_stays_there() {
     settings.inputs.primary.clamping_force = 13.5e3;
     settings.parameters.primary.axial = Axial::Held;
     for drives in [(Drive::Torque, Drive::Speed), (Drive::Speed, Drive::Torque)] {
-        (
-            settings.parameters.primary.drive,
-            settings.parameters.secondary.drive,
-        ) = drives;
+        (settings.parameters.primary.drive, settings.parameters.secondary.drive) = drives;
         let mut unit = start(&settings);
         let before = outputs(&mut unit);
         let led = [before.primary, before.secondary][usize::from(drives.1 == Drive::Speed)];
@@ -101,11 +98,7 @@ fn long_steps_are_accurate() {
         let found = run(&mut start(&settings), &changed, time, 0.32);
         [found.primary.speed, found.secondary.speed, found.ratio_geometric]
     });
-    let error = |found: [f64; 3]| {
-        (0..3)
-            .map(|k| (found[k] / exact[k] - 1.0).abs())
-            .fold(0.0, f64::max)
-    };
+    let error = |found: [f64; 3]| (0..3).map(|k| (found[k] / exact[k] - 1.0).abs()).fold(0.0, f64::max);
     // The tables are pieces of lines, whose kinks limit the order.
     let (coarse, fine) = (error(coarse), error(fine));
     assert!(coarse < 1e-5 && fine < 0.5 * coarse, "{coarse} {fine}");
@@ -129,10 +122,7 @@ fn energy_is_balanced() {
         before = now;
     }
     let residual = supplied - lost - (before.stored_energy - begin.stored_energy);
-    assert!(
-        lost > 100.0 && residual.abs() < 1e-4 * lost,
-        "{residual} of {lost}"
-    );
+    assert!(lost > 100.0 && residual.abs() < 1e-4 * lost, "{residual} of {lost}");
 }
 
 #[test]
@@ -143,12 +133,7 @@ fn a_held_secondary_sheave_has_the_force_that_the_primary_one_requires() {
     let mut unit = start(&settings);
     let begin = outputs(&mut unit);
     let found = run(&mut unit, &settings, 1e-2, 0.5);
-    assert!(
-        (found.slip - begin.slip).abs() < 1e-8,
-        "{} {}",
-        begin.slip,
-        found.slip
-    );
+    assert!((found.slip - begin.slip).abs() < 1e-8, "{} {}", begin.slip, found.slip);
     assert!(unbalanced(&found).abs() < 1e-6);
     assert_eq!(found.ratio_geometric, 1.0);
     assert!((found.primary.axial_force / found.secondary.axial_force - found.thrust_ratio).abs() < 1e-12);

@@ -195,8 +195,7 @@ impl Tables {
             ]);
             if k % 2 == 0 {
                 for point in outline(system, &sample.state) {
-                    self.shapes
-                        .add(row![figure, model, sample.time, point[0], point[1]]);
+                    self.shapes.add(row![figure, model, sample.time, point[0], point[1]]);
                 }
             }
         }
@@ -279,14 +278,7 @@ fn reference_motion(jobs: &mut Vec<Job>, plan: Plan) {
         let (system, record, swing) = reference_oscillation(solid_curve(), mesh, 0.1 * plan.tolerance);
         let (low, high) = record.ratios();
         let drift = record.energy_drift() / swing;
-        tables.check(
-            "2",
-            "energy drift, of the swing's energy",
-            ALE0,
-            drift,
-            0.0,
-            1.0e-3,
-        );
+        tables.check("2", "energy drift, of the swing's energy", ALE0, drift, 0.0, 1.0e-3);
         tables.check("2", "largest |s|, m", ALE0, record.largest_drift(), 0.0, 1.0e-9);
         tables.check("2", "smallest Θ of the swing", ALE0, low, -0.4, 0.01);
         tables.check("2", "largest Θ of the swing", ALE0, high, 0.4, 0.01);
@@ -331,23 +323,12 @@ fn belt_rings(jobs: &mut Vec<Job>, plan: Plan) {
         let specimen = Specimen::bench168();
         let scale = specimen.bending_time() / Specimen::thick().bending_time();
         let mesh = RingMesh::even(&[2, 2, 4, 2, 2], 5);
-        let system = RingSystem::new(AleRing::rigid(
-            specimen.ring.clone(),
-            specimen.curve.clone(),
-            mesh,
-        ));
+        let system = RingSystem::new(AleRing::rigid(specimen.ring.clone(), specimen.curve.clone(), mesh));
         let (system, record, swing) = oscillation(system, 0.1 * plan.tolerance, 2.0e-4 * scale);
         let name = specimen.name;
         let drift = record.energy_drift() / swing;
         let (low, high) = record.ratios();
-        tables.check(
-            "2",
-            "energy drift, of the swing's energy",
-            name,
-            drift,
-            0.0,
-            1.0e-3,
-        );
+        tables.check("2", "energy drift, of the swing's energy", name, drift, 0.0, 1.0e-3);
         tables.check("2", "largest |s|, m", name, record.largest_drift(), 0.0, 1.0e-9);
         tables.check("2", "smallest Θ of the swing", name, low, -0.4, 0.01);
         tables.check("2", "largest Θ of the swing", name, high, 0.4, 0.01);
@@ -395,20 +376,8 @@ fn eulerian_rings(jobs: &mut Vec<Job>, plan: Plan) {
         let ring = |mesh: RingMesh| RingSystem::new(AleRing::flexible(solid(), curve.clone(), mesh));
         let [all, free] = mass_condition(&ring(RingMesh::even(&[1, 2, 2, 2, 1], 3)));
         let name = "ALE, 8 elements";
-        tables.report(
-            "3",
-            "smallest/largest eigenvalue of M, nothing locked",
-            name,
-            all,
-            None,
-        );
-        tables.report(
-            "3",
-            "smallest/largest eigenvalue of M, node 0 locked",
-            name,
-            free,
-            None,
-        );
+        tables.report("3", "smallest/largest eigenvalue of M, nothing locked", name, all, None);
+        tables.report("3", "smallest/largest eigenvalue of M, node 0 locked", name, free, None);
     });
     job(jobs, format!("{EVEN}: deformable ring"), move |tables| {
         let curve = Unaligned { curve: solid_curve() };
@@ -446,12 +415,7 @@ fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
         let check = |tables: &mut Tables, what: &str, off: f64, bound: f64| {
             tables.check("1", what, S::NAME, off, 0.0, bound);
         };
-        check(
-            tables,
-            "P against differences, m",
-            velocity_error::<S, _, _>(),
-            1.0e-8,
-        );
+        check(tables, "P against differences, m", velocity_error::<S, _, _>(), 1.0e-8);
         check(
             tables,
             "−∂V/∂q against differences, relative",
@@ -468,14 +432,7 @@ fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
     job(jobs, format!("{}: deformable ring", S::NAME), move |tables| {
         let (system, record) = deformable_ring::<S>(FEW, 1.0e-7, 4);
         let drift = record.energy_drift() / record.samples[0].energy.total();
-        tables.check(
-            "3",
-            "energy drift over 0.2 ms, relative",
-            S::NAME,
-            drift,
-            0.0,
-            1.0e-4,
-        );
+        tables.check("3", "energy drift over 0.2 ms, relative", S::NAME, drift, 0.0, 1.0e-4);
         let [upper, lower] = bulges(&solid_curve(), &system, &record.samples[4].state);
         let what = "bulge of the strands at 0.2 ms, m (outwards)";
         tables.check_at_least("3", what, S::NAME, 0.5 * (upper + lower), 2.0e-3);
@@ -510,13 +467,9 @@ fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
         let exact = thin_ring_frequency(&band(0.185e-3), BAND_LENGTH / TAU);
         for &elements in plan.meshes {
             let error = thin_band_error::<S>(elements);
-            tables.frequencies.add(row![
-                "circle, small",
-                S::NAME,
-                elements,
-                exact * (1.0 + error),
-                exact
-            ]);
+            tables
+                .frequencies
+                .add(row!["circle, small", S::NAME, elements, exact * (1.0 + error), exact]);
             if elements == 40 {
                 let what = "f₂ of the free ring at 40 elements, Hz";
                 tables.check("5", what, S::NAME, exact * (1.0 + error), exact, 5.0e-3 * exact);
@@ -556,14 +509,7 @@ fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
             let (system, record) = deformable_ring::<S>(S::ELEMENTS, 1.0e-5, 6);
             let cpu = clock.elapsed().as_secs_f64();
             let elements = system.model.elements();
-            tables.work(
-                "deformable ring, 0.3 ms",
-                S::NAME,
-                elements,
-                run,
-                cpu,
-                &record.counts,
-            );
+            tables.work("deformable ring, 0.3 ms", S::NAME, elements, run, cpu, &record.counts);
         }
     });
     if plan.orders {

@@ -101,9 +101,7 @@ pub fn velocity_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
             let place = |h: f64| {
                 let mut moved = state.clone();
                 moved.q[i] += h;
-                system
-                    .particle_at(moved.view(), if i == s { xi + h } else { xi })
-                    .r
+                system.particle_at(moved.view(), if i == s { xi + h } else { xi }).r
             };
             off = off.max((velocity - (place(h) - place(-h)) / (2.0 * h)).norm());
         }

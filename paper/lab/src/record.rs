@@ -42,10 +42,7 @@ impl Record {
 
     /// Largest |s|, m.
     pub fn largest_drift(&self) -> f64 {
-        self.samples
-            .iter()
-            .map(|sample| sample.drift.abs())
-            .fold(0.0, f64::max)
+        self.samples.iter().map(|sample| sample.drift.abs()).fold(0.0, f64::max)
     }
 }
 

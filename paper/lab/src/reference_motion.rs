@@ -31,11 +31,7 @@ pub fn reference_numbers(theta: f64) -> (Energy, f64, f64) {
     let state = system.rest(theta);
     let mass = system.mass_matrix(&state.q);
     let (s, theta) = (system.drift(), system.theta());
-    (
-        system.energy(state.view()),
-        mass[(theta, theta)],
-        mass[(s, theta)],
-    )
+    (system.energy(state.view()), mass[(theta, theta)], mass[(s, theta)])
 }
 
 /// Frequency of the reference motion's small oscillation, rad/s.

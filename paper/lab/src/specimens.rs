@@ -37,10 +37,7 @@ impl Specimen {
         Self {
             name: "ring of bench168",
             ring,
-            curve: TwoPulley::new(
-                parameters.geometry.center_distance,
-                parameters.geometry.belt_length,
-            ),
+            curve: TwoPulley::new(parameters.geometry.center_distance, parameters.geometry.belt_length),
         }
     }
 

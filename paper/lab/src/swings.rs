@@ -91,10 +91,7 @@ pub fn running_ring<S: Case>(elements: usize, steps: usize) -> RunningRing {
     run(&mut system, &mut integrator, &mut state, 0.0, turn);
     let (mut strain, mut round) = (0.0_f64, 0.0_f64);
     for k in 0..4 * elements {
-        let p = system.particle_at(
-            state.view(),
-            BAND_LENGTH * (k as f64 + 0.3) / (4 * elements) as f64,
-        );
+        let p = system.particle_at(state.view(), BAND_LENGTH * (k as f64 + 0.3) / (4 * elements) as f64);
         strain += p.strain() / gamma / (4 * elements) as f64;
         round = round.max((p.r.norm() / radius / (1.0 + gamma) - 1.0).abs());
     }
@@ -201,10 +198,6 @@ pub fn time_errors<S: Case>(thickness: f64, ladder: [f64; 3]) -> [f64; 3] {
         nodes(&system, state.view())
     };
     let exact = shape(3000.0);
-    let off = |q: &[Vector2<f64>]| {
-        q.iter()
-            .zip(&exact)
-            .fold(0.0_f64, |a, (x, y)| a.max((x - y).norm()))
-    };
+    let off = |q: &[Vector2<f64>]| q.iter().zip(&exact).fold(0.0_f64, |a, (x, y)| a.max((x - y).norm()));
     ladder.map(|steps| off(&shape(steps)))
 }

@@ -287,10 +287,8 @@ mod tests {
     fn lanes_of_a_pack_equal_separate_evaluations() {
         let pulleys = TwoPulley::new(0.168, 0.703);
         let theta = -0.35;
-        let pack = Unaligned::frame_of(
-            &pulleys,
-            pulleys.frame(Tangent::<2>::seed(Lanes::from(theta), 1, 1.0)),
-        );
+        let pack =
+            Unaligned::frame_of(&pulleys, pulleys.frame(Tangent::<2>::seed(Lanes::from(theta), 1, 1.0)));
         let alone = Unaligned { curve: pulleys }.frame(Dual::seed(theta, 0, 1.0));
         for k in 0..40 {
             let f: [f64; LANES] =

@@ -177,13 +177,7 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
         }
         let segment = self.mesh.elements[element].segment;
         let angle = C::tangent_angle(frame, segment, station.fraction);
-        rotated_point(
-            reference,
-            &angle,
-            &station.shape,
-            &parts.element,
-            &parts.reference,
-        )
+        rotated_point(reference, &angle, &station.shape, &parts.element, &parts.reference)
     }
 
     /// γ' in the damping: its mean over an element, 1/m. Zero without damping.
@@ -197,11 +191,9 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
             return T::zero();
         }
         // The weights of an element sum to one.
-        self.mesh.stations[element]
-            .iter()
-            .fold(T::zero(), |sum, station| {
-                sum + self.point(frame, element, station, parts).strain_gradient * station.weight
-            })
+        self.mesh.stations[element].iter().fold(T::zero(), |sum, station| {
+            sum + self.point(frame, element, station, parts).strain_gradient * station.weight
+        })
     }
 
     /// Adds a load over the length `weight`, m, on the ring at a station.
@@ -421,14 +413,7 @@ where
                 }
             }
             ale::add_elasticity(&self.ring, &point, dilation, &mut load);
-            Self::add(
-                station,
-                &parts,
-                &point,
-                &load,
-                length.v * station.weight,
-                &mut sum,
-            );
+            Self::add(station, &parts, &point, &load, length.v * station.weight, &mut sum);
         }
         self.rows(&sum, &parts)
     }

@@ -200,10 +200,9 @@ impl<E: LagrangianElement, C: AngledCurve> LagrangianRing<E, C> {
     #[inline(always)]
     fn mean<T: Real>(&self, motion: &E::Motion<T>, of: impl Fn(&Particle<T>) -> T) -> T {
         let share = self.element_length().recip();
-        self.particles(motion)
-            .fold(T::zero(), |sum, (_, particle, weight)| {
-                sum + of(&particle) * (weight * share)
-            })
+        self.particles(motion).fold(T::zero(), |sum, (_, particle, weight)| {
+            sum + of(&particle) * (weight * share)
+        })
     }
 }
 
@@ -315,15 +314,9 @@ impl<E: LagrangianElement, C: AngledCurve + std::fmt::Debug> RingFormulation for
             self.mean(&element, |p| p.strain().powi(2))
         };
         Energy {
-            kinetic: half(
-                ring.mass_per_length,
-                self.mean(&element, |p| p.velocity.norm_squared()),
-            ),
+            kinetic: half(ring.mass_per_length, self.mean(&element, |p| p.velocity.norm_squared())),
             membrane: half(ring.axial_stiffness, strain),
-            bending: half(
-                ring.bending_stiffness,
-                self.mean(&element, |p| p.curvature().powi(2)),
-            ),
+            bending: half(ring.bending_stiffness, self.mean(&element, |p| p.curvature().powi(2))),
         }
     }
 

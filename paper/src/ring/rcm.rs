@@ -177,13 +177,7 @@ impl LagrangianElement for RcmElement {
         let [r, slope] = shape(start);
         let g = (shape(start + length)[0] - r) / length;
         let deflection = |x: f64| (shape(start + x * length)[0] - r).dot(&turn_right(g)) / g.norm_squared();
-        block.copy_from_slice(&[
-            r.x,
-            r.y,
-            slope.x.atan2(slope.y),
-            deflection(0.25),
-            deflection(0.75),
-        ]);
+        block.copy_from_slice(&[r.x, r.y, slope.x.atan2(slope.y), deflection(0.25), deflection(0.75)]);
     }
 
     #[inline(always)]

@@ -63,10 +63,7 @@ fn points(mesh: &BeltMesh, frame: &TwoPulleyFrame<f64>) -> Vec<([f64; CELL_POINT
     let of = |cell: &Cell| {
         let segment = mesh.elements[cell.element].segment;
         let mut xi = [0.0; CELL_POINTS];
-        for (xi, station) in xi
-            .iter_mut()
-            .zip(std::iter::once(&cell.face).chain(&cell.stations))
-        {
+        for (xi, station) in xi.iter_mut().zip(std::iter::once(&cell.face).chain(&cell.stations)) {
             *xi = TwoPulley::point(frame, segment, station.fraction).xi.v;
         }
         (xi, 1 + cell.stations.len())

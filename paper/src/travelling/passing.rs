@@ -73,10 +73,7 @@ impl CellOver {
             at: [0; MOST],
         };
         let travelling = Travelling::of(&belt.layout, &belt.curve);
-        for (number, station) in std::iter::once(&of_mesh.face)
-            .chain(&of_mesh.stations)
-            .enumerate()
-        {
+        for (number, station) in std::iter::once(&of_mesh.face).chain(&of_mesh.stations).enumerate() {
             let place = TwoPulley::point::<f64>(frame, segment, station.fraction).xi.v - s;
             let (element, count) = travelling.element(place);
             over.turn[number] = count;

@@ -270,10 +270,7 @@ fn evenly_spaced_mesh_does_not_conserve() {
     };
     let aligned = swing(solid_curve(), RingMesh::even(&[3, 6, 6, 6, 3], 3), 1.0e-7);
     let evens = [even(24, 1.0e-6), even(24, 1.0e-7), even(96, 1.0e-7)];
-    println!(
-        "evenly spaced{}, aligned {aligned:.1e} of the swing",
-        list(&evens)
-    );
+    println!("evenly spaced{}, aligned {aligned:.1e} of the swing", list(&evens));
     assert!(aligned < 1e-3 && evens.iter().all(|&drift| drift > 0.1));
 }
 
@@ -332,11 +329,7 @@ fn a_lock_to_the_reference_curve_bears_a_force() {
 #[test]
 fn evenly_spaced_inertia_is_lagranges() {
     let curve = Unaligned { curve: solid_curve() };
-    let off = wave_inertia_error(
-        flexible(curve, RingMesh::even(&[8], 3)),
-        Inertia::Conservative,
-        1.0,
-    );
+    let off = wave_inertia_error(flexible(curve, RingMesh::even(&[8], 3)), Inertia::Conservative, 1.0);
     assert!(off < 1e-8, "{off}");
 }
 

@@ -29,18 +29,14 @@ fn fixed() -> BeltDrive<3> {
 
 /// An idler inside the upper strand, on an upright arm.
 fn tensioned() -> BeltDrive<3> {
-    BeltDrive::new([
-        pulley(0.0, 0.0, 0.05),
-        pulley(0.13, 0.1, 0.02),
-        pulley(0.26, 0.0, 0.05),
-    ])
-    .and_then(|drive| {
-        drive.with_tensioner(Tensioner {
-            pulley: 1,
-            pivot: [0.13, -0.05],
+    BeltDrive::new([pulley(0.0, 0.0, 0.05), pulley(0.13, 0.1, 0.02), pulley(0.26, 0.0, 0.05)])
+        .and_then(|drive| {
+            drive.with_tensioner(Tensioner {
+                pulley: 1,
+                pivot: [0.13, -0.05],
+            })
         })
-    })
-    .expect("the arm can move")
+        .expect("the arm can move")
 }
 
 /// Arcs and strands in the order of the curve: arc, strand, arc, strand, arc, strand, arc.
@@ -135,15 +131,9 @@ fn a_running_string_keeps_any_shape() {
     let frame = curve.frame::<f64>(0.0);
     let turn = curve.length() / speed;
     let errors = [1, 2, 4].map(|refinement| {
-        let mut system = RingSystem::new(AleRing::flexible(
-            ring.clone(),
-            curve.clone(),
-            mesh(refinement, 3),
-        ));
+        let mut system = RingSystem::new(AleRing::flexible(ring.clone(), curve.clone(), mesh(refinement, 3)));
         let place = |xi: f64| curve.at(&frame, xi);
-        let mut state = system.rest_on(0.0, &|xi| {
-            [place(xi).r * (1.0 + gamma), place(xi).t * (1.0 + gamma)]
-        });
+        let mut state = system.rest_on(0.0, &|xi| [place(xi).r * (1.0 + gamma), place(xi).t * (1.0 + gamma)]);
         let s = system.drift();
         state.y[s] = speed;
         let mut integrator = Sdirk::new(&system, 1.0e-6, 1.0e-3);

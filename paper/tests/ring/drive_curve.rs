@@ -44,10 +44,7 @@ fn a_drive_with_two_pulleys_is_the_two_pulley_curve() {
             curve.at(&curve.frame::<f64>(theta), xi),
         );
         let off = [(a.r - b.r).norm(), (a.t - b.t).norm(), (a.kappa - b.kappa).abs()];
-        assert!(
-            off[0] < 1e-13 && off[1] < 1e-12 && off[2] < 1e-9,
-            "ξ = {xi}: {off:?}"
-        );
+        assert!(off[0] < 1e-13 && off[1] < 1e-12 && off[2] < 1e-9, "ξ = {xi}: {off:?}");
     }
 }
 
@@ -109,17 +106,10 @@ fn derivatives_match_differences() {
 
 #[test]
 fn impossible_drives_are_refused() {
-    assert_eq!(
-        BeltDrive::new([pulley(0.0, 0.0, 0.1)]).unwrap_err(),
-        DriveError::TooFew
-    );
+    assert_eq!(BeltDrive::new([pulley(0.0, 0.0, 0.1)]).unwrap_err(), DriveError::TooFew);
     let inside = BeltDrive::new([pulley(0.0, 0.0, 0.1), pulley(0.01, 0.0, 0.05)]);
     assert_eq!(inside.unwrap_err(), DriveError::Wrap(0));
-    let backwards = BeltDrive::new([
-        pulley(0.3, 0.0, 0.05),
-        pulley(0.0, 0.0, 0.05),
-        pulley(0.15, 0.1, 0.02),
-    ]);
+    let backwards = BeltDrive::new([pulley(0.3, 0.0, 0.05), pulley(0.0, 0.0, 0.05), pulley(0.15, 0.1, 0.02)]);
     assert!(backwards.is_err());
     let fixed = Tensioner {
         pulley: 0,

@@ -35,10 +35,7 @@ fn acceleration_follows_the_particle<S: Case<D, N>, const D: usize, const N: usi
     };
     let h = 1.0e-5;
     let close = |a: SVector<f64, D>, b: SVector<f64, D>, tolerance: f64, what: &str, xi: f64| {
-        assert!(
-            (a - b).norm() < tolerance * b.norm(),
-            "{what} at ξ = {xi}: {a} {b}"
-        );
+        assert!((a - b).norm() < tolerance * b.norm(), "{what} at ξ = {xi}: {a} {b}");
     };
     for xi in PLACES {
         let particle = |t: f64| {
@@ -306,22 +303,13 @@ fn free_ring_swings_at_its_frequency<S: Case>() {
     let start = nodes(&system, state.view());
     run(&mut system, &mut integrator, &mut state, 0.0, 0.25 * period);
     let quarter = nodes(&system, state.view());
-    run(
-        &mut system,
-        &mut integrator,
-        &mut state,
-        0.25 * period,
-        3.0 * period,
-    );
+    run(&mut system, &mut integrator, &mut state, 0.25 * period, 3.0 * period);
     let after = nodes(&system, state.view());
     let largest = |a: &[Vector2<f64>], b: &[Vector2<f64>]| {
         a.iter().zip(b).fold(0.0_f64, |m, (a, b)| m.max((a - b).norm()))
     };
     let off = largest(&start, &after) / largest(&start, &quarter);
-    println!(
-        "{}: after three periods {off:.2e} of the amplitude is off",
-        S::NAME
-    );
+    println!("{}: after three periods {off:.2e} of the amplitude is off", S::NAME);
     assert!(off < 5e-3);
 }
 

@@ -102,10 +102,7 @@ fn bending_measure() {
             100.0 * printed,
             100.0 * used
         );
-        assert!(
-            used.abs() < 1e-4 && printed.abs() > 5e-3,
-            "{what}: {printed} {used}"
-        );
+        assert!(used.abs() < 1e-4 && printed.abs() > 5e-3, "{what}: {printed} {used}");
     }
 }
 
@@ -120,10 +117,7 @@ fn reference_curve() {
         CENTER_DISTANCE * ((r_p - r_s) / CENTER_DISTANCE).asin().cos(),
     );
     let closure = |b: f64| LENGTH - 2.0 * b - arcs;
-    println!(
-        "(27) with α as printed: {:.2} mm open",
-        1e3 * closure(printed_b).abs()
-    );
+    println!("(27) with α as printed: {:.2} mm open", 1e3 * closure(printed_b).abs());
     assert!(closure(b).abs() < 1e-12 && closure(printed_b).abs() > 1e-3);
 
     let primary = |phi_p: f64| Vector2::new(CENTER_DISTANCE - r_p * phi_p.cos(), r_p * phi_p.sin());

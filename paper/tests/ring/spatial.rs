@@ -105,10 +105,7 @@ fn offset_guides() {
             let [stiffness, _, _] = strand(&ring, count, STRAIN, 0.0);
             let ends = [0, 1, 2 * count, 2 * count + 1];
             let load = (stiffness.column(2 * count) * -offset).remove_rows_at(&ends);
-            let w = without(&stiffness, &ends)
-                .lu()
-                .solve(&load)
-                .expect("a held strand");
+            let w = without(&stiffness, &ends).lu().solve(&load).expect("a held strand");
             (1..count)
                 .map(|i| (w[2 * (i - 1)] - exact(LENGTH * i as f64 / count as f64)).abs() / offset)
                 .fold(0.0, f64::max)
@@ -192,20 +189,13 @@ fn critical_speed() {
             stiffness.symmetric_eigenvalues().min()
         };
         let around = [0.999 * critical, 1.001 * critical].map(softest);
-        println!(
-            "EI {stiffness}: v = {critical:.2} m/s, softest mode {}",
-            list(&around)
-        );
+        println!("EI {stiffness}: v = {critical:.2} m/s, softest mode {}", list(&around));
         assert!(around[0] > 0.0 && around[1] < 0.0);
     }
 }
 
 fn circle(elements: usize, ring: Ring) -> Spatial<pushbelt_paper_lab::Circle> {
-    RingSystem::new(AleRing::spatial(
-        ring,
-        band_circle(),
-        RingMesh::even(&[elements], 4),
-    ))
+    RingSystem::new(AleRing::spatial(ring, band_circle(), RingMesh::even(&[elements], 4)))
 }
 
 /// A ring of 40 elements on its circle after a rigid motion.
@@ -301,10 +291,7 @@ fn planar_motion_is_the_planar_rings() {
             state.y_dot[i] = 100.0 * random();
             (lifted.q[j], lifted.y[j], lifted.y_dot[j]) = (state.q[i], state.y[i], state.y_dot[i]);
         }
-        let (planar, mut rows) = (
-            residual(&mut flat, state.view()),
-            residual(&mut spatial, lifted.view()),
-        );
+        let (planar, mut rows) = (residual(&mut flat, state.view()), residual(&mut spatial, lifted.view()));
         for &(i, j) in &places {
             assert_eq!(planar[i], rows[j]);
             rows[j] = 0.0;
@@ -328,11 +315,7 @@ fn swinging(damping: f64, tolerance: f64) -> (f64, f64) {
         .set_in_motion(&mut state, |xi| {
             let (sin, cos) = (TAU * xi).sin_cos();
             let point = solid_curve().at(&solid_curve().frame::<f64>(0.2), xi);
-            Vector3::new(
-                30.0 * point.t.x,
-                30.0 * point.t.y,
-                12.0 * cos + 5.0 * (2.0 * sin * cos),
-            )
+            Vector3::new(30.0 * point.t.x, 30.0 * point.t.y, 12.0 * cos + 5.0 * (2.0 * sin * cos))
         })
         .expect("a ring with mass");
     let start = system.energy(state.view());

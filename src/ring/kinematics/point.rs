@@ -204,11 +204,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         let (l, [l_dot, l_ddot]) = (element.length.v, element.length_rates);
         // d = b l for the slope of a node, d = a for its deflection.
         let (d, d_dot, d_ddot) = if m % 2 == 1 {
-            (
-                l * beta,
-                l + l_dot * beta,
-                l * alpha + l_dot * 2.0 + l_ddot * beta,
-            )
+            (l * beta, l + l_dot * beta, l * alpha + l_dot * 2.0 + l_ddot * beta)
         } else {
             (T::from(beta), T::one(), T::from(alpha))
         };

@@ -89,10 +89,7 @@ fn mean(parts: &[RingPart], of: impl Fn(usize) -> f64) -> f64 {
 /// A number that is another up to rounding.
 #[track_caller]
 fn close(found: f64, expected: f64) {
-    assert!(
-        (found - expected).abs() < 1e-9 * expected.abs(),
-        "{found} {expected}"
-    );
+    assert!((found - expected).abs() < 1e-9 * expected.abs(), "{found} {expected}");
 }
 
 /// The part at the middle of a strand: 0 follows the secondary arc.
@@ -167,9 +164,7 @@ fn layers_that_stick_share_the_tension() {
         friction: 1e-3,
         ..LAYERS
     };
-    let outer = tensions(&slippery, even, &parts)
-        .into_iter()
-        .map(|[_, outer]| outer);
+    let outer = tensions(&slippery, even, &parts).into_iter().map(|[_, outer]| outer);
     let outer = DVector::from_iterator(parts.len(), outer);
     let pressing = mean(&parts, |k| parts[k].tension) - RING.mass_per_length * SPEED.powi(2);
     close(9.0 * (outer.max() - outer.min()), 1e-3 * pressing * WRAPS[0]);

@@ -59,17 +59,11 @@ impl Derivatives {
         let width = K::DEGREES.count;
         let (changes, out) = (work.changes.as_flattened_mut(), &mut work.out);
         let mut count = 0;
-        let laws = now
-            .iter()
-            .zip(then)
-            .zip(self.right.chunks_exact(ARGUMENTS * width));
+        let laws = now.iter().zip(then).zip(self.right.chunks_exact(ARGUMENTS * width));
         for (law, ((now, then), right)) in laws.enumerate() {
             let right: [&[Lanes]; ARGUMENTS] = std::array::from_fn(|k| &right[k * width..][..width]);
-            for (force, (now, then)) in now
-                .iter()
-                .zip(then)
-                .enumerate()
-                .filter(|(_, (now, then))| now != then)
+            for (force, (now, then)) in
+                now.iter().zip(then).enumerate().filter(|(_, (now, then))| now != then)
             {
                 let by: Arguments<Lanes> = std::array::from_fn(|k| now[k] - then[k]);
                 let (number, through) = &mut changes[count];

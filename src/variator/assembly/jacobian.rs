@@ -142,11 +142,7 @@ impl<C: MeshCurve> Frames<C> {
             frame::<_, K, C>(curve, path)
         };
         // Frames are kilobytes, so they are written in place.
-        for (to, first) in frames
-            .moving
-            .iter_mut()
-            .zip(frames.of_curve.clone().step_by(PASS))
-        {
+        for (to, first) in frames.moving.iter_mut().zip(frames.of_curve.clone().step_by(PASS)) {
             *to = Some(pass_from(first));
         }
         if !frames.others[0].is_empty() {
@@ -164,11 +160,7 @@ impl<C: MeshCurve> Frames<C> {
                 .step_by(PASS)
                 .map(move |first| first..end.min(first + PASS))
         };
-        let others = self
-            .others
-            .iter()
-            .flat_map(passes)
-            .zip(std::iter::repeat(&self.still));
+        let others = self.others.iter().flat_map(passes).zip(std::iter::repeat(&self.still));
         let all = passes(&self.of_curve).zip(&self.moving).chain(others);
         all.filter_map(|(pass, frame)| Some((pass, frame.as_ref()?)))
     }

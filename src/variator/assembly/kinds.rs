@@ -165,11 +165,7 @@ pub(crate) fn rows<T: Real, K: DegreesOfFreedom, const D: usize>(
 ) -> [T; MOST_ROWS] {
     let degrees = K::DEGREES;
     let mut rows = [T::zero(); MOST_ROWS];
-    for (node, rows) in ring
-        .nodes
-        .iter()
-        .zip(rows[..degrees.nodes].chunks_exact_mut(2 * D))
-    {
+    for (node, rows) in ring.nodes.iter().zip(rows[..degrees.nodes].chunks_exact_mut(2 * D)) {
         for k in 0..D {
             [rows[2 * k], rows[2 * k + 1]] = [node.a[k], node.b[k]];
         }

@@ -203,9 +203,7 @@ impl Pack {
         let whole = to.len() - to.len() % LANES;
         let (runs, rest) = to.split_at_mut(whole);
         for (run, to) in runs.chunks_exact_mut(LANES).enumerate() {
-            to.copy_from_slice(&Lanes::transposed(
-                nodes.map(|node| Lanes::read(&node[LANES * run..])),
-            ));
+            to.copy_from_slice(&Lanes::transposed(nodes.map(|node| Lanes::read(&node[LANES * run..]))));
         }
         for (k, to) in rest.iter_mut().enumerate() {
             *to = Lanes::new(nodes.map(|node| node[whole + k]));
@@ -300,11 +298,7 @@ fn strips<K: DegreesOfFreedom>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Ve
             degrees.drift
         };
         let entries = |column: usize| {
-            at.map(|at| {
-                shape
-                    .index(at[row], at[column])
-                    .expect("neighbours are in the band")
-            })
+            at.map(|at| shape.index(at[row], at[column]).expect("neighbours are in the band"))
         };
         (0..columns).map(entries).collect()
     };
@@ -365,9 +359,7 @@ fn unknowns_of<K: DegreesOfFreedom>(belt: &Belt, cell: usize) -> [usize; MOST] {
         layout.content(cell),
     ];
     let tensions = (0..degrees.tensions).map(|face| layout.tension(cell + face));
-    let curve = [layout.drift(), layout.theta()]
-        .into_iter()
-        .chain(layout.centres());
+    let curve = [layout.drift(), layout.theta()].into_iter().chain(layout.centres());
     let of_pulley = [
         layout.sheave(place.pulley),
         layout.tilt(place.pulley, 0),

@@ -289,10 +289,7 @@ fn evaluate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     mut observe: impl FnMut(&AtStation<'_, Lanes, D>),
     mut take: impl FnMut(&Pack, &CellBalance<Lanes>, &RingForces<Lanes, D>),
 ) {
-    let frame = frame::<_, K, C>(
-        &acting.belt.curve,
-        acting.belt.path(view).map(|of| of.map(Lanes::from)),
-    );
+    let frame = frame::<_, K, C>(&acting.belt.curve, acting.belt.path(view).map(|of| of.map(Lanes::from)));
     let mut unknowns = [[Lanes::zero(); MOST]; 3];
     for pack in packs {
         pack.gather::<K>(view, &mut unknowns);

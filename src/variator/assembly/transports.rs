@@ -30,12 +30,7 @@ impl Transports {
 
     /// Records the quantities of a cell.
     pub fn set(&mut self, cell: usize, transport: &Transport<f64>) {
-        for (to, value) in self
-            .quantities
-            .as_mut_array()
-            .into_iter()
-            .zip(transport.as_array())
-        {
+        for (to, value) in self.quantities.as_mut_array().into_iter().zip(transport.as_array()) {
             to[1 + cell] = *value;
         }
     }
@@ -44,12 +39,7 @@ impl Transports {
     /// unused lanes, so packs must be recorded in their order.
     #[inline(always)]
     pub fn set_pack(&mut self, first: usize, transport: &Transport<Lanes>) {
-        for (to, value) in self
-            .quantities
-            .as_mut_array()
-            .into_iter()
-            .zip(transport.as_array())
-        {
+        for (to, value) in self.quantities.as_mut_array().into_iter().zip(transport.as_array()) {
             value.write(&mut to[1 + first..]);
         }
     }

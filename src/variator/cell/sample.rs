@@ -150,12 +150,7 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
         let (flanks, kinematics) = (&forces.flanks, &forces.kinematics);
         let flank_energy = |k: usize| {
             let (contact, cos_beta) = (&self.given.law.contact, self.given.law.wedge[1]);
-            energy_density(
-                contact,
-                cos_beta,
-                flanks.motions[k].penetration,
-                flanks.forces[k].depth,
-            )
+            energy_density(contact, cos_beta, flanks.motions[k].penetration, flanks.forces[k].depth)
         };
         let stack_loss = -(push.viscous * cell.lengthening * cell.inverse_length);
         let from_axis = in_plane(&face.r) - Vector2::new(T::constant(self.given.geometry.axis), T::zero());

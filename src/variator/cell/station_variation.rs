@@ -93,10 +93,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             d_rotation_drag: rotation_drag(plain(given.geometry.rotation_drag), kappa, throughput).eps,
             weight: *weight,
             right: given.geometry.stations[i].right,
-            crosswise: [
-                in_plane(v_e).dot(&kinematics.e_t),
-                in_plane(v_p).dot(&kinematics.e_r),
-            ],
+            crosswise: [in_plane(v_e).dot(&kinematics.e_t), in_plane(v_p).dot(&kinematics.e_r)],
             by_pulley: FlankVariation::of_pulley(given, [&ring.r, v_e, v_p].map(in_plane), factors),
             tangents,
             forces,
@@ -223,13 +220,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             laws[0] = of_flank(&flank.motion);
         } else {
             let [offset, rate] = flank.offset;
-            let shifted = |sign: f64| {
-                of_flank(
-                    &flank
-                        .motion
-                        .shifted(offset * sign, rate * sign, given.law.wedge[0]),
-                )
-            };
+            let shifted =
+                |sign: f64| of_flank(&flank.motion.shifted(offset * sign, rate * sign, given.law.wedge[0]));
             (laws[0], laws[1]) = (shifted(1.0), shifted(-1.0));
         }
         laws[D - 1] = of_two([tension, sliding]);
@@ -241,9 +233,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     pub fn vary_forces(&self, arguments: &[Arguments<Lanes>]) -> [Forces; 3] {
         let mut forces = [[Lanes::from(0.0); FORCES]; 3];
         for flank in 0..D - 1 {
-            forces[flank] = self.tangents[flank]
-                .each_ref()
-                .map(|of| along(of, &arguments[flank]));
+            forces[flank] = self.tangents[flank].each_ref().map(|of| along(of, &arguments[flank]));
         }
         forces[D - 1][0] = along(&self.tangents[D - 1][0], &arguments[D - 1]);
         forces
@@ -286,8 +276,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             let axial = base.axial * 0.5;
             moment += at.e_r * (axial * flank.rho) + at.e_t * (axial * at.rho * flank.turn);
         }
-        out.pulley
-            .add(&flanks.on_pulley(moment, push_out + drag), self.weight);
+        out.pulley.add(&flanks.on_pulley(moment, push_out + drag), self.weight);
 
         at_ring_line -= embed(push_out);
         let mut along = change.along - drag.dot(&in_plane(&ring.t));

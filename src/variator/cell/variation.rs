@@ -83,20 +83,12 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         ring: &'a R,
         given: CellInput<'a, Lanes>,
         cell: CellState<Lanes>,
-        (points, forces, tangents): (
-            &'a CellPoints<Lanes, D>,
-            &'a ForcesOfCell<D>,
-            &'a OfLaws<Tangents>,
-        ),
+        (points, forces, tangents): (&'a CellPoints<Lanes, D>, &'a ForcesOfCell<D>, &'a OfLaws<Tangents>),
         factors: [f64; 2],
     ) -> Self {
         let face = points.face();
         let mut stations = [None; STATIONS];
-        for (i, (to, at)) in stations
-            .iter_mut()
-            .zip(points.stations.iter().zip(forces))
-            .enumerate()
-        {
+        for (i, (to, at)) in stations.iter_mut().zip(points.stations.iter().zip(forces)).enumerate() {
             if let (Some(station), Some(forces)) = at {
                 let laws = (forces, &tangents[i * D..][..D]);
                 *to = Some(LinearisedStation::new(&given, &cell, (i, station), laws, factors));

@@ -150,11 +150,7 @@ impl BeltSums<Lanes> {
                 weighted: of.weighted.sum(),
                 forward: of.forward.sum(),
             }),
-            strand_force: self
-                .strand_force
-                .to_array()
-                .into_iter()
-                .fold(f64::INFINITY, f64::min),
+            strand_force: self.strand_force.to_array().into_iter().fold(f64::INFINITY, f64::min),
             push_force: self.push_force.to_array().into_iter().fold(0.0, f64::max),
             pitch_length: self.pitch_length.sum(),
             speed_integral: self.speed_integral.sum(),
@@ -192,9 +188,7 @@ impl BeltDiagnostics {
         let drags = system.pulleys().drag_torques(view, self.sums.resultant);
         for j in Pulley::BOTH {
             self.sums.losses.shafts += drags[j] * speeds[j];
-            self.sums.losses.seals += system
-                .pulleys()
-                .seal_loss(j, view.y[system.belt.layout.sheave(j)]);
+            self.sums.losses.seals += system.pulleys().seal_loss(j, view.y[system.belt.layout.sheave(j)]);
             self.sums.shaft_torque[j] = self.sums.torque[j] - drags[j];
         }
         self.ring_energy = energy;

@@ -205,11 +205,7 @@ fn powers(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &B
         moved += (sums.torque[pulley] * speeds[pulley]).abs();
     }
     let supplied = system.pulleys().shaft_power(boundary, view, sums.shaft_torque);
-    [
-        supplied,
-        sums.losses.total() + system.pulleys().losses(view),
-        moved,
-    ]
+    [supplied, sums.losses.total() + system.pulleys().losses(view), moved]
 }
 
 impl EnergyBalance {
@@ -231,12 +227,7 @@ impl EnergyBalance {
 
     /// Writes to an archive, or reads from it, the energies.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
-        for value in [
-            &mut self.supplied,
-            &mut self.lost,
-            &mut self.initial,
-            &mut self.moved,
-        ] {
+        for value in [&mut self.supplied, &mut self.lost, &mut self.initial, &mut self.moved] {
             archive.real(value);
         }
     }

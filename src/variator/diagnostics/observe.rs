@@ -51,12 +51,7 @@ impl Observer {
         let idle = if belt.law.is_pull_chain() {
             PerPulley::default()
         } else {
-            idle_arcs(
-                &belt.mesh,
-                stations,
-                belt.curve.length(),
-                sums.speed_integral < 0.0,
-            )
+            idle_arcs(&belt.mesh, stations, belt.curve.length(), sums.speed_integral < 0.0)
         };
         let of = |j: Pulley| PulleyOutputs {
             speed: view.y[belt.layout.shaft_speed(j)],
@@ -201,10 +196,7 @@ impl Outputs {
         } else {
             (p.axial_force / s.axial_force).clamp(-100.0, 100.0)
         };
-        self.efficiency = efficiency([
-            -shaft_torques.primary * p.speed,
-            -shaft_torques.secondary * s.speed,
-        ]);
+        self.efficiency = efficiency([-shaft_torques.primary * p.speed, -shaft_torques.secondary * s.speed]);
         self.belt_efficiency = efficiency([p.power, s.power]);
     }
 }

@@ -20,9 +20,7 @@ impl Descriptor {
     pub fn new(system: &mut VariatorSystem, state: &State) -> Self {
         let n = system.belt.layout.len();
         let drift = system.belt.layout.drift();
-        let positions: Vec<usize> = (0..n)
-            .filter(|&i| system.has_position()[i] && i != drift)
-            .collect();
+        let positions: Vec<usize> = (0..n).filter(|&i| system.has_position()[i] && i != drift).collect();
         let mut jacobian = |alpha, beta| dense_jacobian(system, state, alpha, beta);
         let (by_y, by_rate, by_place) = (jacobian(0.0, 0.0), jacobian(1.0, 0.0), jacobian(0.0, 1.0));
         let size = n + positions.len();

@@ -41,10 +41,7 @@ impl Load {
 /// Inputs that act with these parameters.
 pub(super) fn loads_in_force(parameters: &Parameters) -> Vec<Load> {
     let mut loads = Vec::new();
-    for (pulley, prefix) in [
-        (&parameters.primary, "primary."),
-        (&parameters.secondary, "secondary."),
-    ] {
+    for (pulley, prefix) in [(&parameters.primary, "primary."), (&parameters.secondary, "secondary.")] {
         let is_clamped = pulley.axial == Axial::Force;
         for (name, acts) in [
             ("torque", pulley.drive == Drive::Torque),
@@ -52,9 +49,7 @@ pub(super) fn loads_in_force(parameters: &Parameters) -> Vec<Load> {
             ("clampingForce", is_clamped),
             ("pressure", is_clamped && pulley.cylinder.area > 0.0),
         ] {
-            let place = INPUTS
-                .iter()
-                .position(|(of, ..)| of.strip_prefix(prefix) == Some(name));
+            let place = INPUTS.iter().position(|(of, ..)| of.strip_prefix(prefix) == Some(name));
             loads.extend(place.filter(|_| acts).map(Load));
         }
     }

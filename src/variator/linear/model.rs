@@ -97,9 +97,7 @@ fn about(
     // modes is large here, and sliding depends on it nonlinearly.
     let whole = factors.solve(&b);
     let identity = Mat::<f64>::identity(poles.len(), poles.len());
-    let slow = (identity * Scale(shift) - &slow_a)
-        .partial_piv_lu()
-        .solve(&slow_b);
+    let slow = (identity * Scale(shift) - &slow_a).partial_piv_lu().solve(&slow_b);
     let (rest, rest_rates) = (&whole - &right * &slow, &whole * Scale(shift) - &rates * &slow);
     let mut differentiate = |load: Option<Load>, x: &Mat<f64>, rates: &Mat<f64>, k: usize| {
         derivatives_along(&mut point, load, &descriptor.direction(x, rates, k), read)

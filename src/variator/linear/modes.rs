@@ -44,10 +44,7 @@ fn balanced(matrix: &Mat<f64>) -> Result<(Mat<f64>, Vec<f64>), LinearError> {
         return Err(LinearError::Eigenvalues);
     }
     let scale = balance_parlett_reinsch(&mut copy);
-    Ok((
-        Mat::from_fn(n, n, |i, j| copy[(i, j)]),
-        scale.iter().copied().collect(),
-    ))
+    Ok((Mat::from_fn(n, n, |i, j| copy[(i, j)]), scale.iter().copied().collect()))
 }
 
 /// The eigenvalue of the pencil that belongs to `value` of (σE − A)⁻¹E.

@@ -54,10 +54,7 @@ impl WorkingPoint {
         refuse_unsteady(&variator)?;
         variator.initialise(0.0, inputs)?;
         if variator.outputs().start_state != StartState::Steady {
-            let warning = variator
-                .take_messages()
-                .into_iter()
-                .find(|message| message.warning);
+            let warning = variator.take_messages().into_iter().find(|message| message.warning);
             let why = warning.map_or_else(|| STANDS_STILL.to_string(), |warning| warning.text);
             return Err(LinearError::Unsteady(why));
         }

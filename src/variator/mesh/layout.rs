@@ -209,10 +209,7 @@ impl Layout {
         let mut has_position = vec![false; self.len()];
         let own = self.node_unknowns().map(|(i, _)| i).chain(self.centres());
         let shared = [self.drift(), self.theta()].into_iter();
-        for i in own
-            .chain(shared)
-            .chain(Pulley::BOTH.map(|pulley| self.sheave(pulley)))
-        {
+        for i in own.chain(shared).chain(Pulley::BOTH.map(|pulley| self.sheave(pulley))) {
             has_position[i] = true;
         }
         has_position

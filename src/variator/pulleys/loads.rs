@@ -168,10 +168,7 @@ impl InputProfile {
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         archive.real(&mut self.kink);
         let [before, after] = &mut self.rates;
-        for value in [&mut self.inputs, before, after]
-            .into_iter()
-            .flat_map(Inputs::each_mut)
-        {
+        for value in [&mut self.inputs, before, after].into_iter().flat_map(Inputs::each_mut) {
             archive.real(value);
         }
     }

@@ -326,10 +326,7 @@ impl<'a> Pulleys<'a> {
         let [psi, rate] = self.tilt(pulley, view);
         let seeded =
             |of: [f64; 2], slope| std::array::from_fn(|axis| Tangent::<2, f64>::seed(of[axis], axis, slope));
-        for (row, moment) in at
-            .into_iter()
-            .zip(law.moment(seeded(psi, 1.0), seeded(rate, alpha)))
-        {
+        for (row, moment) in at.into_iter().zip(law.moment(seeded(psi, 1.0), seeded(rate, alpha))) {
             for (column, slope) in at.into_iter().zip(moment.eps) {
                 out.add(row, column, slope);
             }

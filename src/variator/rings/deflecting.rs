@@ -69,12 +69,7 @@ impl<T: Real, const D: usize> EulerianRing<T, D> for Deflecting<'_, T, D> {
 impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
     fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
-        RingPoint::new(
-            reference,
-            &self.geometry.point(at).shape,
-            &self.element,
-            self.motion,
-        )
+        RingPoint::new(reference, &self.geometry.point(at).shape, &self.element, self.motion)
     }
 
     #[inline(always)]
@@ -86,13 +81,8 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
     fn apply(&mut self, at: usize, point: &RingPoint<T, D>, station_load: &StationLoad<T, D>) {
         let shape = &self.geometry.point(at).shape;
-        self.sum.add(
-            &station_load.load,
-            point,
-            shape,
-            &self.element,
-            station_load.weight,
-        );
+        self.sum
+            .add(&station_load.load, point, shape, &self.element, station_load.weight);
     }
 
     #[inline(always)]
@@ -142,13 +132,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
         station_load: &StationLoad<T, D>,
     ) {
         let shape = &self.geometry.point(at).shape;
-        sum.add(
-            &station_load.load,
-            point,
-            shape,
-            &self.element,
-            station_load.weight,
-        );
+        sum.add(&station_load.load, point, shape, &self.element, station_load.weight);
         sum.theta += own_load.on_length([&by.slope, &by.bend], &self.element) * station_load.weight;
     }
 

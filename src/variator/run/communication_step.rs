@@ -159,8 +159,6 @@ impl CommunicationStep {
         let simulated = variator.time() - self.from;
         let (work, unknowns) = (variator.counts() - self.before, variator.state().y.len());
         let remark = variator.pace.count(&self.given, simulated, work, unknowns);
-        remark
-            .into_iter()
-            .for_each(|text| variator.simulation.log(true, text));
+        remark.into_iter().for_each(|text| variator.simulation.log(true, text));
     }
 }

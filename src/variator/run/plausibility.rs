@@ -51,13 +51,9 @@ impl PlausibilityWarnings {
         [
             at_start(other_layers),
             at_start(slipping),
-            (!starts)
-                .then(|| buckling(simulation, &mut self.buckled))
-                .flatten(),
+            (!starts).then(|| buckling(simulation, &mut self.buckled)).flatten(),
             once(&mut self.fast, || fast_belt(simulation, starts)),
-            once(&mut self.unit, || {
-                wrong_unit(simulation, &mut self.doubtful_since)
-            }),
+            once(&mut self.unit, || wrong_unit(simulation, &mut self.doubtful_since)),
             once(&mut self.opens, || opening_pressure(simulation)),
             simulation.system.parameters.idle_pressures(
                 &simulation.inputs(),
@@ -155,10 +151,7 @@ fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
     let led = parameters.primary.drive == Drive::Speed || parameters.secondary.drive == Drive::Speed;
     let cause = if led || starts {
         let (name, value) = given_speed(parameters, &inputs);
-        format!(
-            "is {name} in rpm? {value} rpm are {} rad/s",
-            short(value * PI / 30.0)
-        )
+        format!("is {name} in rpm? {value} rpm are {} rad/s", short(value * PI / 30.0))
     } else {
         format!(
             "primary.torque = {} N·m and secondary.torque = {} N·m accelerate it; a load's torque is negative",
@@ -185,11 +178,7 @@ fn opening_pressure(simulation: &Simulation) -> Option<String> {
 fn same_sign(simulation: &Simulation) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let [primary, secondary] = [inputs.primary.torque, inputs.secondary.torque];
-    let speed = simulation
-        .system
-        .belt
-        .shaft_speeds(simulation.state.view())
-        .primary;
+    let speed = simulation.system.belt.shaft_speeds(simulation.state.view()).primary;
     let steady = parameters.initial.steady && speed.abs() > 1.0;
     let free = parameters.primary.drive == Drive::Torque && parameters.secondary.drive == Drive::Torque;
     let balancing = parameters.initial.ratio * primary;

@@ -163,21 +163,14 @@ fn joined(first: &InputProfile, from: f64, middle: f64, second: &InputProfile, t
     }
     let fraction = (middle - from) / (to - from);
     let means = [mean(first, [from, middle]), mean(second, [middle, to])];
-    InputProfile::constant(
-        &Inputs::ZERO
-            .after(fraction, &means[0])
-            .after(1.0 - fraction, &means[1]),
-    )
+    InputProfile::constant(&Inputs::ZERO.after(fraction, &means[0]).after(1.0 - fraction, &means[1]))
 }
 
 /// Mean of inputs from one time to another, s.
 fn mean(profile: &InputProfile, [from, to]: [f64; 2]) -> Inputs {
     let kink = profile.kink.clamp(from, to);
     let part = |start: f64, end: f64, sum: Inputs| {
-        sum.after(
-            (end - start) / (to - from),
-            &profile.evaluate(0.5 * (start + end)),
-        )
+        sum.after((end - start) / (to - from), &profile.evaluate(0.5 * (start + end)))
     };
     part(kink, to, part(from, kink, Inputs::ZERO))
 }

@@ -83,10 +83,7 @@ impl Simulation {
             found = self.balance_forces(newton, &whole, found);
         }
         if free {
-            let passive = self
-                .system
-                .pulleys()
-                .passive_force(Pulley::Primary, self.state.view());
+            let passive = self.system.pulleys().passive_force(Pulley::Primary, self.state.view());
             let excess = whole.clamping.primary + passive - self.sums().axial.primary;
             let text = format!("steady start: primary clamping force less axial belt force is {excess:.1} N");
             self.log(false, text);

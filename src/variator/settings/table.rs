@@ -189,8 +189,7 @@ fn settings_of<S, Q, const N: usize>(
     owner: Owner,
     rows: [(Row<'static, S, Q>, Value); N],
 ) -> impl Iterator<Item = Setting<S, Q>> {
-    rows.into_iter()
-        .map(move |(row, start)| Setting { row, owner, start })
+    rows.into_iter().map(move |(row, start)| Setting { row, owner, start })
 }
 
 #[rustfmt::skip]

@@ -100,16 +100,11 @@ impl Parameters {
     fn validate_wedge(&self) -> Result<(), ParameterError> {
         let (wedge_angle, friction) = (self.geometry.wedge_angle, self.friction.pulley);
         let friction_angle = friction.atan();
-        require(
-            wedge_angle > friction_angle,
-            "geometry.wedgeAngle",
-            wedge_angle,
-            || {
-                format!(
-                    "above {friction_angle}, the friction angle of friction.pulley = {friction}; below it the sheaves jam"
-                )
-            },
-        )
+        require(wedge_angle > friction_angle, "geometry.wedgeAngle", wedge_angle, || {
+            format!(
+                "above {friction_angle}, the friction angle of friction.pulley = {friction}; below it the sheaves jam"
+            )
+        })
     }
 
     /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and

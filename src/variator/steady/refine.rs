@@ -55,9 +55,7 @@ pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, 
     // Cells of an element share its length in the kinematic state, so contents are in proportion to
     // its.
     for (cell, at) in fine.cells_at.iter().enumerate() {
-        let of = belt
-            .layout
-            .content(find_cell(&belt.mesh, &fine.mesh, cell, 0.5).0);
+        let of = belt.layout.content(find_cell(&belt.mesh, &fine.mesh, cell, 0.5).0);
         state.y[at.content] *= from.y[of] / kinematic.y[of];
     }
     let sum: f64 = fine.cells_at.iter().map(|at| state.y[at.content]).sum();

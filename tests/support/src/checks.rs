@@ -17,11 +17,7 @@ pub fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
 #[track_caller]
 pub fn assert_mirrored(reverse: &Outputs, forward: &Outputs, relative: f64) {
     for (name, sign, read) in [
-        (
-            "primary speed",
-            -1.0,
-            (|o| o.primary.speed) as fn(&Outputs) -> f64,
-        ),
+        ("primary speed", -1.0, (|o| o.primary.speed) as fn(&Outputs) -> f64),
         ("secondary speed", -1.0, |o| o.secondary.speed),
         ("belt speed", -1.0, |o| o.belt_speed),
         ("ring speed", -1.0, |o| o.ring_speed),
@@ -60,10 +56,7 @@ pub fn list(numbers: &[f64]) -> String {
 /// Orders of convergence between successive errors, whose steps or lengths differ by the factor
 /// `ratio`.
 pub fn orders(errors: &[f64], ratio: f64) -> Vec<f64> {
-    errors
-        .windows(2)
-        .map(|e| (e[0] / e[1]).ln() / ratio.ln())
-        .collect()
+    errors.windows(2).map(|e| (e[0] / e[1]).ln() / ratio.ln()).collect()
 }
 
 /// Asserts `≈ order ± 0.2` for successively halved steps or element lengths.

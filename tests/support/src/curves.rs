@@ -96,12 +96,9 @@ pub fn assert_derivatives<C: MeshCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f
             let (shape, turn) = C::derivatives(&of, segment, f, &C::point(&of, segment, f));
             for k in 0..COORDINATES {
                 let ((plus, of_plus), (minus, of_minus)) = (at(k, h), at(k, -h));
-                let [xi, kappa, dilation] = [
-                    plus.xi.v - minus.xi.v,
-                    plus.kappa - minus.kappa,
-                    of_plus - of_minus,
-                ]
-                .map(|difference| difference / (2.0 * h));
+                let [xi, kappa, dilation] =
+                    [plus.xi.v - minus.xi.v, plus.kappa - minus.kappa, of_plus - of_minus]
+                        .map(|difference| difference / (2.0 * h));
                 let unit = [Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)];
                 let found = match k {
                     0 | 1 => shape[k],

@@ -99,9 +99,7 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     let mut coarse = vec![false; size.len()];
     if system.belt.ring.starts_on().is_some() {
         let layout = &system.belt.layout;
-        layout
-            .node_unknowns()
-            .for_each(|(i, is_length)| coarse[i] = is_length);
+        layout.node_unknowns().for_each(|(i, is_length)| coarse[i] = is_length);
     }
     let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
     let name = system.belt.ring.name();
@@ -191,11 +189,8 @@ fn assert_updated(
     assert_eq!(renewed, 0.0, "the geometry is reused");
     system.jacobian(TIME, states[1].view(), alpha, beta, &mut exact);
     let [first, found, exact] = [&first, &found, &exact].map(product);
-    let largest = |a: &[f64], b: &[f64]| {
-        a.iter()
-            .zip(b)
-            .fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
-    };
+    let largest =
+        |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     let (changed, off) = (largest(&first, &exact), largest(&found, &exact));
     assert!(changed > 1e3 && off < share * changed, "{changed:e}, {off:e}");
 }

@@ -103,10 +103,7 @@ pub fn outputs(parameters: &Parameters, ratio: f64, force: f64, load: Load) -> F
 /// The least push force anywhere, N.
 pub fn lowest_push(variator: &Variator) -> f64 {
     let stations = stations(variator.system(), variator.state());
-    stations
-        .iter()
-        .map(|at| at.sample.push)
-        .fold(f64::INFINITY, f64::min)
+    stations.iter().map(|at| at.sample.push).fold(f64::INFINITY, f64::min)
 }
 
 /// The same with 2 kN and no torque, at low speed: the least of the three ratios.
@@ -149,11 +146,7 @@ pub fn near_peak(parameters: &Parameters, ratio: f64) -> Found<[f64; 2]> {
         }
     }
     let peak = curve.iter().map(|c| c[1]).fold(0.0, f64::max);
-    let above = curve
-        .iter()
-        .position(|c| c[1] >= NEAR_PEAK * peak)
-        .unwrap_or(1)
-        .max(1);
+    let above = curve.iter().position(|c| c[1] >= NEAR_PEAK * peak).unwrap_or(1).max(1);
     let [[s0, u0], [s1, u1]] = [curve[above - 1], curve[above]];
     Ok([s0 + (s1 - s0) * (NEAR_PEAK * peak - u0) / (u1 - u0), peak])
 }
@@ -163,8 +156,6 @@ fn running_radius(parameters: &Parameters) -> f64 {
     let mut p = parameters.clone();
     p.initial.steady = false;
     let mut variator = Variator::new(p).expect("parameters are valid");
-    variator
-        .initialise(0.0, &Inputs::default())
-        .expect("the geometry fits");
+    variator.initialise(0.0, &Inputs::default()).expect("the geometry fits");
     variator.outputs().primary.radius
 }

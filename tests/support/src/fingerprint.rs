@@ -48,9 +48,7 @@ fn row(table: &Table<Settings, Readings>, outputs: &Outputs) -> Vec<f64> {
     let (settings, readings) = (Settings::default(), Readings::from(outputs.clone()));
     let of = |variable: &Variable<Settings, Readings>| {
         let is_left_out = variable.causality.is_setting()
-            || ["solver.", "profile."]
-                .iter()
-                .any(|of| variable.name.starts_with(of));
+            || ["solver.", "profile."].iter().any(|of| variable.name.starts_with(of));
         match variable.value(&settings, Some(&readings)) {
             Some(Value::Real(value)) if !is_left_out => Some(value),
             _ => None,
@@ -91,12 +89,7 @@ impl Report {
     pub fn of_arguments() -> Result<Self, Box<dyn Error>> {
         let arguments: Vec<String> = std::env::args().skip(1).collect();
         let mut report = Self::default();
-        match arguments
-            .iter()
-            .map(String::as_str)
-            .collect::<Vec<_>>()
-            .as_slice()
-        {
+        match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
             [] => {}
             ["--write", file] => report.write = Some(file.to_string()),
             ["--compare", file] => {

@@ -36,10 +36,7 @@ pub fn integral(f: impl Fn(f64) -> f64, [from, to]: [f64; 2], panels: u32) -> f6
     let half = 0.5 * (to - from) / f64::from(panels);
     let panel = |k: u32| {
         let middle = from + (2.0 * f64::from(k) + 1.0) * half;
-        gauss(5)
-            .iter()
-            .map(|(x, w)| w * f(middle + x * half))
-            .sum::<f64>()
+        gauss(5).iter().map(|(x, w)| w * f(middle + x * half)).sum::<f64>()
     };
     (0..panels).map(panel).sum::<f64>() * half
 }

@@ -18,10 +18,7 @@ pub fn started(parameters: Parameters, inputs: &Inputs) -> Variator {
 pub fn tried(parameters: Parameters, inputs: &Inputs) -> (u64, Option<String>) {
     let mut variator = Variator::new(parameters).expect("valid parameters");
     let error = variator.initialise(0.0, inputs).err();
-    (
-        variator.start_work().residuals,
-        error.map(|error| error.to_string()),
-    )
+    (variator.start_work().residuals, error.map(|error| error.to_string()))
 }
 
 /// A new variator with these parameters and the state of another one, through its bytes.
@@ -195,10 +192,5 @@ impl Run {
 
 /// Element content Σ N, m.
 fn content(v: &Variator) -> f64 {
-    v.system()
-        .belt
-        .cells_at
-        .iter()
-        .map(|at| v.state().y[at.content])
-        .sum()
+    v.system().belt.cells_at.iter().map(|at| v.state().y[at.content]).sum()
 }

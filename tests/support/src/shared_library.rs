@@ -61,10 +61,7 @@ pub fn reference(name: &str) -> u32 {
 /// Value references of the real outputs.
 pub fn real_outputs() -> Vec<u32> {
     let table = VariatorUnit::table();
-    let outputs = table
-        .variables()
-        .iter()
-        .filter(|v| v.causality == Causality::Output);
+    let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
     let real = outputs.filter(|v| matches!(v.kind, Kind::Real { .. }));
     real.map(|v| v.reference).collect()
 }
@@ -130,13 +127,7 @@ impl Functions {
     /// # Safety
     /// `c` is an instance that has not been freed.
     pub unsafe fn make_cheap(&self, c: Component) {
-        let integers = [
-            "ring.model",
-            "mesh.primaryArc",
-            "mesh.secondaryArc",
-            "mesh.strand",
-        ]
-        .map(reference);
+        let integers = ["ring.model", "mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"].map(reference);
         let steady = reference("initial.steady");
         // SAFETY: `c` is an instance, and there are as many values as references.
         unsafe {

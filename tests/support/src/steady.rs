@@ -112,11 +112,7 @@ pub fn loaded(parameters: &Parameters, ratio: f64, force: f64, torque: f64, spee
 /// The same with a torque, N·m, on the primary shaft, and the secondary speed without slip at a
 /// primary one, rad/s.
 pub fn transmitting(parameters: &Parameters, ratio: f64, force: f64, torque: f64, speed: f64) -> Steady {
-    steady(
-        parameters,
-        &transmitted(ratio, force, torque),
-        speeds(ratio, speed),
-    )
+    steady(parameters, &transmitted(ratio, force, torque), speeds(ratio, speed))
 }
 
 /// [`steady`] with a ring other than that of the parameters.

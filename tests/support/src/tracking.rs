@@ -61,11 +61,7 @@ impl Trace {
     #[must_use]
     pub fn off(&self, exact: &Self) -> [f64; TRACKED.len()] {
         std::array::from_fn(|k| {
-            let squares = self
-                .rows
-                .iter()
-                .zip(&exact.rows)
-                .map(|(a, b)| (a[k] - b[k]).powi(2));
+            let squares = self.rows.iter().zip(&exact.rows).map(|(a, b)| (a[k] - b[k]).powi(2));
             (squares.sum::<f64>() / exact.rows.len() as f64).sqrt()
         })
     }

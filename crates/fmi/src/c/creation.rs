@@ -58,14 +58,7 @@ pub(crate) unsafe fn create<U: Unit>(
             token,
             location,
         };
-        let sink = messages(
-            texts
-                .name
-                .as_ref()
-                .ok()
-                .and_then(Option::as_deref)
-                .unwrap_or_default(),
-        );
+        let sink = messages(texts.name.as_ref().ok().and_then(Option::as_deref).unwrap_or_default());
         let function = match version {
             Version::Two => "fmi2Instantiate",
             Version::Three => "fmi3InstantiateCoSimulation",

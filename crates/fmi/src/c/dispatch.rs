@@ -68,9 +68,7 @@ impl Handle {
 
     /// A function of the variant; null for an instance of this library.
     fn function(&self, name: &str) -> *mut c_void {
-        self.variant
-            .as_ref()
-            .map_or(null_mut(), |library| library.find(name))
+        self.variant.as_ref().map_or(null_mut(), |library| library.find(name))
     }
 }
 

@@ -71,10 +71,7 @@ pub fn own_path() -> Option<PathBuf> {
 /// of no use.
 #[cfg(not(target_os = "linux"))]
 pub fn own_path() -> Option<PathBuf> {
-    loaded_from()
-        .filter(|path| path.is_absolute())?
-        .canonicalize()
-        .ok()
+    loaded_from().filter(|path| path.is_absolute())?.canonicalize().ok()
 }
 
 #[cfg(not(any(windows, target_os = "linux")))]

@@ -94,9 +94,7 @@ pub(crate) unsafe fn serialize<U: Unit>(
     match target.get_mut(..needed) {
         Some(target) => drop(target.write_copy_of_slice(&bytes)),
         None => {
-            return refused(format!(
-                "the state takes {needed} bytes, but only {given} are given"
-            ));
+            return refused(format!("the state takes {needed} bytes, but only {given} are given"));
         }
     }
     Ok(())

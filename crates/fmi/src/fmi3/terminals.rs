@@ -46,11 +46,7 @@ fn terminal(terminal: &Terminal) -> Element {
             .with("memberName", member)
             .with("variableKind", "signal")
     });
-    let drawn = extent(
-        "TerminalGraphicalRepresentation",
-        terminal.middle,
-        [HALF_TERMINAL; 2],
-    );
+    let drawn = extent("TerminalGraphicalRepresentation", terminal.middle, [HALF_TERMINAL; 2]);
     Element::new("Terminal")
         .with("name", terminal.name)
         // Members are matched by their names.

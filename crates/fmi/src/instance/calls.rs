@@ -198,9 +198,7 @@ impl<U: Unit> FmuInstance<U> {
             let text = panic.downcast_ref::<&str>().copied();
             let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
             let text = text.unwrap_or("panic without a message");
-            Err(CallError::Failed(format!(
-                "internal error, please report: {text}"
-            )))
+            Err(CallError::Failed(format!("internal error, please report: {text}")))
         });
         let (status, category, text) = match outcome {
             Ok(status) => return status,

@@ -78,9 +78,7 @@ impl Clock {
         }
         let end = current + step;
         if end > LATEST {
-            return refused(format!(
-                "the step ends at {end} s, after the latest time, {LATEST:e} s"
-            ));
+            return refused(format!("the step ends at {end} s, after the latest time, {LATEST:e} s"));
         }
         if let Some(stop) = stop
             && end > stop

@@ -87,10 +87,7 @@ impl<U: Unit> Snapshot<U> {
 
 /// The real inputs, which have rates.
 fn real_inputs<S, R>(table: &Table<S, R>) -> impl Iterator<Item = &Variable<S, R>> {
-    let inputs = table
-        .variables()
-        .iter()
-        .filter(|v| v.causality == Causality::Input);
+    let inputs = table.variables().iter().filter(|v| v.causality == Causality::Input);
     inputs.filter(|variable| matches!(variable.kind, Kind::Real { .. }))
 }
 

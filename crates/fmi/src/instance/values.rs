@@ -212,11 +212,7 @@ pub(super) fn find<S, R>(
             "time (value reference 0) is the independent variable: it can't be set, and only \
              fmi3GetFloat64 reads it",
         ),
-        None => match table
-            .retired
-            .iter()
-            .find(|retired| retired.reference == reference)
-        {
+        None => match table.retired.iter().find(|retired| retired.reference == reference) {
             Some(retired) => refused(retired.to_string()),
             None => refused(format!("no variable has the value reference {reference}")),
         },

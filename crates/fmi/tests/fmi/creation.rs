@@ -60,20 +60,12 @@ fn a_text_without_end_is_refused() {
         for which in 0..3 {
             let mut texts = [Some(c"instance"), Some(&right), None];
             texts[which] = Some(&long);
-            assert_refused(
-                version,
-                &Arguments::new(texts),
-                "a text has more than 1048576 bytes",
-            );
+            assert_refused(version, &Arguments::new(texts), "a text has more than 1048576 bytes");
         }
         let importer = Importer::with(version, &Arguments::new([Some(longest), Some(&right), None]));
         assert!(!importer.c.is_null(), "{}", importer.last());
         importer.assert(importer.log(true, &[&long]), Error, "1048576 bytes");
-        importer.assert(
-            importer.log(true, &[c"logEvents", longest]),
-            Error,
-            "no log category",
-        );
+        importer.assert(importer.log(true, &[c"logEvents", longest]), Error, "no log category");
         importer.start();
     }
 }
@@ -129,11 +121,7 @@ fn start_values_come_from_the_resources() {
         assert_eq!(importer.set(GAIN, 4.0), Ok);
         for gain in [4.0, 2.0] {
             assert_eq!(importer.enter(experiment(0.0, None)), Ok);
-            assert_eq!(
-                importer.reals(&[LEVEL, GAIN], 2),
-                Result::Ok(vec![3.0, gain]),
-                "{gain}"
-            );
+            assert_eq!(importer.reals(&[LEVEL, GAIN], 2), Result::Ok(vec![3.0, gain]), "{gain}");
             let numbers = [FLOORS, SHAPE, LOCKED].map(|of| importer.number(of));
             assert_eq!(numbers, [4, 2, 1].map(Result::Ok));
             assert_eq!(importer.reset(), Ok, "and again after a reset");
@@ -210,18 +198,11 @@ fn a_copy_with_start_values_needs_its_file() {
         let long = text(format!("file:///tmp/{}", "x".repeat(5000)));
         for (location, why) in [(c"", ""), (c"http://a/b", "is not a file: URI"), (&long, "")] {
             let mut arguments = Arguments::new([Some(c"instance"), Some(&copy), Some(location)]);
-            assert_refused(
-                version,
-                &arguments,
-                "this copy of the FMU has start values of its own",
-            );
+            assert_refused(version, &arguments, "this copy of the FMU has start values of its own");
             let original = text(token.clone());
             (arguments.texts[1], arguments.debug) = (Some(&*original), true);
             let importer = Importer::with(version, &arguments);
-            assert!(
-                !importer.c.is_null(),
-                "a location that cannot be searched is skipped"
-            );
+            assert!(!importer.c.is_null(), "a location that cannot be searched is skipped");
             importer.assert_logged(why);
         }
     }
@@ -243,11 +224,7 @@ fn all_but_events_is_logged_without_a_request() {
         assert_eq!(taken(), [warning]);
         assert_eq!(importer.set(GAIN, 99.0), Discard);
         assert_eq!(taken().len(), 1);
-        importer.assert(
-            importer.step(9.0, 1.0).status,
-            Error,
-            "DoStep: the step starts at 9 s",
-        );
+        importer.assert(importer.step(9.0, 1.0).status, Error, "DoStep: the step starts at 9 s");
         let errors = taken();
         assert_eq!(
             (errors.len(), errors[0].status, &*errors[0].category),

@@ -22,15 +22,8 @@ fn an_instance_without_a_logger_fails_silently() {
     unsafe {
         assert_eq!(CStr::from_ptr(fmi2GetVersion::<Tank>()), c"2.0");
         assert_eq!(CStr::from_ptr(fmi2GetTypesPlatform::<Tank>()), c"default");
-        let c = fmi2Instantiate::<Tank>(
-            c"mute".as_ptr(),
-            1,
-            token::<Tank>(Two).as_ptr(),
-            null(),
-            null(),
-            0,
-            1,
-        );
+        let c =
+            fmi2Instantiate::<Tank>(c"mute".as_ptr(), 1, token::<Tank>(Two).as_ptr(), null(), null(), 0, 1);
         assert!(!c.is_null());
         assert_eq!(fmi2DoStep::<Tank>(c, 0.0, 1.0, 1), Error);
         assert_eq!(fmi2SetReal::<Tank>(c, &INFLOW, 1, &f64::NAN), Discard);
@@ -69,11 +62,7 @@ fn null_and_misaligned_pointers_are_errors() {
             fmi2SetDebugLogging::<Tank>(c, 1, 1, &null()),
         ];
         assert_eq!(refused, [Error; 19]);
-        assert_eq!(
-            importer.record.messages.borrow().len(),
-            refused.len(),
-            "each is logged"
-        );
+        assert_eq!(importer.record.messages.borrow().len(), refused.len(), "each is logged");
         for done in [
             fmi2GetReal::<Tank>(c, null(), 0, null_mut()),
             fmi2SetReal::<Tank>(c, null(), 0, null()),
@@ -96,10 +85,7 @@ fn status_calls_return_how_the_last_step_ended() {
     unsafe {
         for (brim, status) in [(1e9, Ok), (2.0, Discard)] {
             assert_eq!(importer.set(BRIM, brim), Ok);
-            assert_eq!(
-                importer.step([1.0, 0.0][usize::from(status == Ok)], 1.0).status,
-                status
-            );
+            assert_eq!(importer.step([1.0, 0.0][usize::from(status == Ok)], 1.0).status, status);
             assert_eq!(fmi2GetStatus::<Tank>(c, 0, &raw mut number), Ok);
             assert_eq!(fmi2GetRealStatus::<Tank>(c, 2, &raw mut time), Ok);
             assert_eq!((number, time), (status as c_int, 1.0));
@@ -151,11 +137,7 @@ fn a_query_returns_a_text_or_null() {
     assert_eq!(ask(Result::Ok("a\0b"), false), (Ok, Some(c"a b".to_owned())));
     assert_eq!(ask(Result::Ok("text"), true), (Warning, Some(c"text".to_owned())));
     importer.assert_logged("a hint");
-    importer.assert(
-        ask(Err("no such thing"), true),
-        (Error, None),
-        "ask: no such thing",
-    );
+    importer.assert(ask(Err("no such thing"), true), (Error, None), "ask: no such thing");
     // SAFETY: an instance, and null.
     let refused =
         unsafe { query::<Tank>(importer.c, "ask", null_mut(), |_, _, _| Result::Ok(String::new())) };
@@ -164,10 +146,7 @@ fn a_query_returns_a_text_or_null() {
     assert_eq!(importer.reset(), Ok);
     assert_eq!(importer.set(GAIN, 0.5), Ok);
     assert_eq!(importer.enter(experiment(0.0, None)), Ok);
-    for why in [
-        "gain = 0.5 does not fit",
-        "there is no model after a failed start",
-    ] {
+    for why in ["gain = 0.5 does not fit", "there is no model after a failed start"] {
         importer.assert(ask(Result::Ok("none"), false), (Error, None), why);
     }
 }
@@ -211,9 +190,5 @@ fn there_are_no_strings_and_no_directional_derivatives() {
             fmi2GetDirectionalDerivative::<Tank>(c, &LEVEL, 1, &INFLOW, 1, &1.0, &raw mut value),
         ]
     };
-    importer.assert(
-        refused,
-        [Error; 3],
-        "fmi2GetDirectionalDerivative: not supported: ",
-    );
+    importer.assert(refused, [Error; 3], "fmi2GetDirectionalDerivative: not supported: ");
 }

@@ -85,11 +85,7 @@ fn other_kinds_of_fmu_are_refused_with_a_message() {
 fn start_values_and_the_time_can_be_read_at_once() {
     let importer = Importer::new(Three);
     assert_eq!(importer.real(START), 1.0);
-    importer.assert(
-        importer.reals(&[LEVEL], 1),
-        Err(Error),
-        "before initialization mode",
-    );
+    importer.assert(importer.reals(&[LEVEL], 1), Err(Error), "before initialization mode");
     assert_eq!(importer.enter(experiment(1.0, None)), Ok);
     assert_eq!(importer.real(TIME), 1.0);
     assert_eq!(importer.exit(), Ok);
@@ -97,16 +93,8 @@ fn start_values_and_the_time_can_be_read_at_once() {
     assert_eq!(importer.real(TIME), 2.0);
     // SAFETY: an instance, and null for the results.
     unsafe {
-        let refused = fmi3DoStep::<Tank>(
-            importer.c,
-            2.0,
-            1.0,
-            1,
-            null_mut(),
-            null_mut(),
-            null_mut(),
-            null_mut(),
-        );
+        let refused =
+            fmi3DoStep::<Tank>(importer.c, 2.0, 1.0, 1, null_mut(), null_mut(), null_mut(), null_mut());
         importer.assert(refused, Error, "the pointer for the result is null");
         importer.assert(fmi3EnterEventMode::<Tank>(importer.c), Error, "eventModeUsed");
         assert_eq!(fmi3EnterStepMode::<Tank>(importer.c), Error);
@@ -128,27 +116,11 @@ fn types_are_those_of_the_description() {
         check(none, Error, "0 values for 1 variables");
         let short = fmi3GetFloat32::<Tank>(c, &LEVEL, 1, &raw mut single, 1);
         check(short, Error, "no 32-bit real has the value reference 5");
-        check(
-            fmi3SetString::<Tank>(c, &LEVEL, 1, &null(), 1),
-            Error,
-            "no string",
-        );
-        check(
-            fmi3SetBinary::<Tank>(c, &LEVEL, 1, &1, &null(), 1),
-            Error,
-            "no binary",
-        );
-        check(
-            fmi3GetClock::<Tank>(c, &LEVEL, 1, &raw mut truth),
-            Error,
-            "no clock",
-        );
+        check(fmi3SetString::<Tank>(c, &LEVEL, 1, &null(), 1), Error, "no string");
+        check(fmi3SetBinary::<Tank>(c, &LEVEL, 1, &1, &null(), 1), Error, "no binary");
+        check(fmi3GetClock::<Tank>(c, &LEVEL, 1, &raw mut truth), Error, "no clock");
         check(fmi3SetShiftDecimal::<Tank>(c, &LEVEL, 1, &0.0), Error, "no clock");
-        check(
-            fmi3GetBinary::<Tank>(c, null(), 0, null_mut(), null_mut(), 0),
-            Ok,
-            "",
-        );
+        check(fmi3GetBinary::<Tank>(c, null(), 0, null_mut(), null_mut(), 0), Ok, "");
         check(fmi3GetString::<Tank>(c, null(), 0, null_mut(), 0), Ok, "");
     }
 }
@@ -161,9 +133,7 @@ fn arrays_lie_between_scalars_and_the_time() {
     importer.assert_reals(&references, &[2.0, 0.0, 1.0, 2.0, 0.5, 2.0]);
     for count in [4, 5, 7] {
         assert_eq!(importer.reals(&references, count), Err(Error));
-        importer.assert_logged(&format!(
-            "{count} values for 4 variables, which have 6 values together"
-        ));
+        importer.assert_logged(&format!("{count} values for 4 variables, which have 6 values together"));
     }
     importer.assert(importer.reals(&[DEPTH + 1], 1), Err(Error), "element of depth");
     let mut values = [0.0; 2];
@@ -187,10 +157,7 @@ fn an_event_ends_a_step_that_may_end_early() {
         unsafe { fmi3UpdateDiscreteStates::<Tank>(importer.c, flag, flag, flag, flag, flag, time) }
     };
     assert_eq!(update(&mut 1.0), Error, "not in step mode");
-    assert_eq!(
-        [importer.enter_event_mode(), importer.enter_event_mode()],
-        [Ok, Error]
-    );
+    assert_eq!([importer.enter_event_mode(), importer.enter_event_mode()], [Ok, Error]);
     assert_eq!(update(null_mut()), Error);
     assert_eq!(importer.step(0.75, 1.0).status, Error, "first the event");
     assert_eq!(importer.set(INFLOW, 1.0), Ok);
@@ -224,10 +191,7 @@ fn an_importer_reads_sets_and_returns_within_a_step() {
         None
     });
     assert_eq!(importer.step(0.0, 1.0), ended(false, false, 1.0));
-    assert_eq!(
-        (importer.real(LEVEL), importer.record.updates.borrow().len()),
-        (4.0, 4)
-    );
+    assert_eq!((importer.real(LEVEL), importer.record.updates.borrow().len()), (4.0, 4));
     for (later, end) in [
         (0.0, 1.25),
         (0.1, 1.35),
@@ -276,10 +240,7 @@ fn an_update_can_use_announced_variables_only_and_call_nothing_else() {
     let i = importer.alias();
     importer.answer(move |_| {
         let mut state = null_mut();
-        assert_eq!(
-            i.derivatives(&[LEVEL], 1).map(|values| values.len()),
-            Result::Ok(1)
-        );
+        assert_eq!(i.derivatives(&[LEVEL], 1).map(|values| values.len()), Result::Ok(1));
         for refused in [
             i.reals(&[DEPTH], DEPTHS).err(),
             i.reals(&[START], 1).err(),

@@ -72,10 +72,7 @@ impl Record {
 }
 
 unsafe fn own(text: *const c_char) -> String {
-    unsafe { CStr::from_ptr(text) }
-        .to_str()
-        .expect("UTF-8")
-        .to_owned()
+    unsafe { CStr::from_ptr(text) }.to_str().expect("UTF-8").to_owned()
 }
 
 /// The standard's logger is variadic. This one takes the one argument that belongs to "%s", with
@@ -379,12 +376,7 @@ impl<U: Unit> Importer<U> {
 
     pub fn set_reals(&self, references: &[u32], values: &[f64]) -> Status {
         assert_eq!(references.len(), values.len());
-        let (vr, nvr, value, n) = (
-            references.as_ptr(),
-            references.len(),
-            values.as_ptr(),
-            values.len(),
-        );
+        let (vr, nvr, value, n) = (references.as_ptr(), references.len(), values.as_ptr(), values.len());
         call! { self, fmi2SetReal(vr, nvr, value), fmi3SetFloat64(vr, nvr, value, n) }
     }
 
@@ -416,12 +408,8 @@ impl<U: Unit> Importer<U> {
     /// Writes a whole number, an item of an enumeration or a truth value.
     pub fn set_number(&self, reference: u32, value: i32) -> Status {
         let (byte, wide) = (value as u8, i64::from(value));
-        let (vr, number, byte, wide) = (
-            &raw const reference,
-            &raw const value,
-            &raw const byte,
-            &raw const wide,
-        );
+        let (vr, number, byte, wide) =
+            (&raw const reference, &raw const value, &raw const byte, &raw const wide);
         match U::table().by_reference(reference).map(|one| &one.kind) {
             Some(Kind::Boolean { .. }) => {
                 call! { self, fmi2SetBoolean(vr, 1, number), fmi3SetBoolean(vr, 1, byte, 1) }
@@ -450,11 +438,7 @@ impl<U: Unit> Importer<U> {
     }
 
     pub fn derivatives(&self, references: &[u32], order: i32) -> Result<Vec<f64>, Status> {
-        let (vr, nvr, orders) = (
-            references.as_ptr(),
-            references.len(),
-            vec![order; references.len()],
-        );
+        let (vr, nvr, orders) = (references.as_ptr(), references.len(), vec![order; references.len()]);
         let mut values = vec![f64::NAN; nvr];
         let (order, value) = (orders.as_ptr(), values.as_mut_ptr());
         let status = call! {
@@ -530,10 +514,8 @@ impl<U: Unit> Importer<U> {
     }
 
     pub fn log(&self, on: bool, categories: &[&CStr]) -> Status {
-        let (categories, on): (Vec<_>, _) = (
-            categories.iter().map(|name| name.as_ptr()).collect(),
-            u8::from(on),
-        );
+        let (categories, on): (Vec<_>, _) =
+            (categories.iter().map(|name| name.as_ptr()).collect(), u8::from(on));
         call! {
             self, fmi2SetDebugLogging(on.into(), categories.len(), categories.as_ptr()),
             fmi3SetDebugLogging(on, categories.len(), categories.as_ptr())
@@ -559,9 +541,7 @@ impl<U: Unit> Importer<U> {
 
     pub fn last(&self) -> String {
         let messages = self.record.messages.borrow();
-        messages
-            .last()
-            .map_or_else(String::new, |message| message.text.clone())
+        messages.last().map_or_else(String::new, |message| message.text.clone())
     }
 
     /// A call ended like this, and the last message has this part.

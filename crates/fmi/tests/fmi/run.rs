@@ -30,11 +30,7 @@ fn a_run_goes_through_its_states() {
         assert_eq!(importer.enter(experiment(3.0, Some(5.0))), Ok);
         assert_eq!(importer.real(LEVEL), 1.0);
         assert_eq!(importer.set(START, 4.0), Ok);
-        assert_eq!(
-            importer.real(LEVEL),
-            4.0,
-            "set in initialization mode, it starts again"
-        );
+        assert_eq!(importer.real(LEVEL), 4.0, "set in initialization mode, it starts again");
         assert_eq!(importer.exit(), Ok);
         assert_eq!(importer.step(3.0, 1.0), ended(false, false, 4.0));
         assert_eq!(importer.real(LEVEL), 6.0);
@@ -126,12 +122,7 @@ fn a_call_is_done_where_the_standard_allows_it_and_changes_nothing_elsewhere() {
                 let before = importer.bytes();
                 let found = call(&importer);
                 let expected = if allowed.contains(&state) { Ok } else { Error };
-                assert_eq!(
-                    found,
-                    expected,
-                    "{version:?}, {state:?}: {name}: {}",
-                    importer.last()
-                );
+                assert_eq!(found, expected, "{version:?}, {state:?}: {name}: {}", importer.last());
                 if found == Error {
                     assert_eq!(importer.bytes(), before, "{version:?}, {state:?}: {name}");
                 }
@@ -179,11 +170,7 @@ fn after_a_discarded_step_all_is_as_before_and_the_step_can_be_repeated() {
         } = importer.step(0.0, 1.0);
         importer.assert((status, early, time), (Discard, false, 0.0), "DoStep: full");
         assert_eq!(importer.real(LEVEL), 1.0);
-        assert_eq!(
-            importer.step(0.0, 0.25),
-            ended(false, false, 0.25),
-            "a shorter one"
-        );
+        assert_eq!(importer.step(0.0, 0.25), ended(false, false, 0.25), "a shorter one");
         // And one with other inputs.
         assert_eq!(importer.set(BRIM, 100.0), Ok);
         assert_eq!(importer.step(0.25, 0.75), ended(false, false, 1.0));
@@ -370,10 +357,7 @@ fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
             let (bits, seen) = call_in(host, || run(version));
             assert_eq!(bits, expected, "{host:?}");
             assert!(seen.len() > if version == Two { 0 } else { 6 });
-            assert!(
-                seen.iter().all(|of_callback| *of_callback == host),
-                "{host:?} {seen:?}"
-            );
+            assert!(seen.iter().all(|of_callback| *of_callback == host), "{host:?} {seen:?}");
         }
     }
 }

@@ -23,10 +23,7 @@ fn a_state_holds_everything_and_fits_every_instance() {
     for version in BOTH {
         let early = Importer::new(version);
         assert_eq!(early.set_reals(&[GAIN, MARK], &[1.0 / 3.0, 7.0]), Ok);
-        assert_eq!(
-            [early.set_number(FLOORS, 5), early.set_number(LOCKED, 1)],
-            [Ok; 2]
-        );
+        assert_eq!([early.set_number(FLOORS, 5), early.set_number(LOCKED, 1)], [Ok; 2]);
         // A state before the start is one, too.
         let importer = Importer::new(version);
         assert_eq!(importer.continue_from(&early.bytes()), Ok);
@@ -39,10 +36,7 @@ fn a_state_holds_everything_and_fits_every_instance() {
         let expected = go_on(&importer, 0.7);
         assert_eq!(importer.restore(state), Ok);
         importer.assert_reals(&[GAIN, MARK, INFLOW], &[1.0 / 3.0, 7.0, 2.0]);
-        assert_eq!(
-            [FLOORS, LOCKED].map(|of| importer.number(of)),
-            [5, 1].map(Result::Ok)
-        );
+        assert_eq!([FLOORS, LOCKED].map(|of| importer.number(of)), [5, 1].map(Result::Ok));
         assert_eq!(importer.bytes(), bytes, "a state at rest is itself");
         assert_eq!(go_on(&importer, 0.7), expected);
         let handle = state;

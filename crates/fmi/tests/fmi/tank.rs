@@ -87,10 +87,7 @@ const UNITS: &[UnitDefinition] = &[UnitDefinition::new("1", &[]).shown_in(&[("%"
 static SHAPES: Enumeration = Enumeration {
     name: "Shape",
     description: "Shape of the tank",
-    items: &[
-        Item::new("Round", 1, "A cylinder"),
-        Item::new("Square", 2, "A box"),
-    ],
+    items: &[Item::new("Round", 1, "A cylinder"), Item::new("Square", 2, "A box")],
 };
 
 static RETIRED: [Retired; 1] = [Retired {

@@ -30,11 +30,7 @@ fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
                 if version == Two {
                     assert_eq!(importer.set_derivative(INFLOW, 1, 9.0), Ok, "for this step alone");
                 }
-                assert_eq!(
-                    importer.step(time, size),
-                    ended(false, false, time + size),
-                    "{size}"
-                );
+                assert_eq!(importer.step(time, size), ended(false, false, time + size), "{size}");
                 assert_eq!(importer.real(LEVEL), level, "{size}");
                 time += size;
             }
@@ -48,10 +44,7 @@ fn a_step_that_is_rounding_alone_is_done_and_changes_nothing() {
     }
     // A thousandth of the step is taken for rounding, at any time.
     let late = running_from(Three, TODAY);
-    assert_eq!(
-        [2e-4, 5e-5].map(|by| late.step(TODAY + by, 0.1).status),
-        [Error, Ok]
-    );
+    assert_eq!([2e-4, 5e-5].map(|by| late.step(TODAY + by, 0.1).status), [Error, Ok]);
     // As is the rounding of the number, which is more than that of a short step.
     assert_eq!(running_from(Three, TODAY).step(TODAY + 2.4e-7, 1e-4).status, Ok);
     // Steps of less than the rounding add up.
@@ -72,10 +65,7 @@ fn sums_and_products_of_steps_give_the_same_times() {
         for k in 0..1000 {
             assert_eq!(sums.step(time, size).status, Ok, "{size}, {k}");
             let product = f64::from(k) * size;
-            assert_eq!(
-                products.step(product, f64::from(k + 1) * size - product).status,
-                Ok
-            );
+            assert_eq!(products.step(product, f64::from(k + 1) * size - product).status, Ok);
             let reached = [sums.real(LEVEL), products.real(LEVEL)];
             assert_eq!(reached[0].to_bits(), reached[1].to_bits(), "{size}, {k}");
             assert!((reached[0] - 1.0 - 2.0 * (product + size)).abs() < 1e-5 * size + 1e-9);
@@ -89,11 +79,7 @@ fn a_short_step_can_follow_a_long_one() {
     let importer = running(Two);
     let mut time = 0.0;
     for size in [0.123_456_789_123, 1e-5, 1e-8, 1.0 / 3.0, 1e-10, 1e-7] {
-        assert_eq!(
-            importer.step(time, size),
-            ended(false, false, time + size),
-            "{size}"
-        );
+        assert_eq!(importer.step(time, size), ended(false, false, time + size), "{size}");
         time += size;
     }
     assert!((importer.real(LEVEL) - 1.0 - 2.0 * time).abs() < 1e-6);

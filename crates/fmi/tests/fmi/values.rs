@@ -38,13 +38,7 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
         ] {
             let importer = running(version);
             importer.assert(importer.set_reals(&[BRIM, reference], &[5.0, bad]), Discard, why);
-            let message = importer
-                .record
-                .messages
-                .borrow()
-                .last()
-                .expect("a message")
-                .clone();
+            let message = importer.record.messages.borrow().last().expect("a message").clone();
             assert_eq!((message.status, &*message.category), (2, "logStatusDiscard"));
             importer.assert_reals(&[BRIM, INFLOW, GAIN], &[1e9, 2.0, 1.0]);
             assert_eq!(importer.step(0.0, 1.0).status, Ok, "the run goes on");

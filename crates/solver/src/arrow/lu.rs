@@ -231,12 +231,7 @@ impl ArrowLu {
             let (head, rest) = x.split_at_mut((k + 1) * b);
             let y = &mut head[k * b..];
             if k + 1 < n {
-                gemv::<B, B>(
-                    Update::Subtract,
-                    block(&self.lower, k + 1, b * b),
-                    y,
-                    &mut rest[..b],
-                );
+                gemv::<B, B>(Update::Subtract, block(&self.lower, k + 1, b * b), y, &mut rest[..b]);
             }
             self.work[..b].copy_from_slice(y);
             gemv::<B, B>(Update::Set, block(&self.inverses, k, b * b), &self.work[..b], y);

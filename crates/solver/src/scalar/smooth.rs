@@ -99,9 +99,7 @@ mod tests {
         for x in [-1e4, -50.0, -3.0, -0.2, 0.0, 1e-3, 0.4, 7.0, 1e4] {
             let of_numbers = [x.soft_plus(0.3), x.smooth_plus(0.3)].as_flattened().to_vec();
             let pack = Lanes::new([x; LANES]);
-            let of_packs = [pack.soft_plus(0.3), pack.smooth_plus(0.3)]
-                .as_flattened()
-                .to_vec();
+            let of_packs = [pack.soft_plus(0.3), pack.smooth_plus(0.3)].as_flattened().to_vec();
             let energies = (soft_plus_energy(pack, 0.3), soft_plus_energy(x, 0.3));
             for (pack, number) in of_packs.into_iter().zip(of_numbers).chain([energies]) {
                 let pack = pack.lane(0);

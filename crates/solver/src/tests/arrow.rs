@@ -77,11 +77,7 @@ fn products_and_solutions_are_the_dense_ones() {
             border,
         };
         let mut lu = ArrowLu::new(shape);
-        for (order, seed) in [
-            (vec![], seed),
-            (shuffled(shape, seed + 3), seed),
-            (vec![], seed + 1),
-        ] {
+        for (order, seed) in [(vec![], seed), (shuffled(shape, seed + 3), seed), (vec![], seed + 1)] {
             assert_like_dense(&mut lu, shape, &order, seed);
         }
     }
@@ -118,16 +114,8 @@ fn a_singular_block_is_named() {
             } else {
                 block.min(shape.blocks)
             };
-            assert_eq!(
-                singular(&|arrow| arrow.set_unit_row(row, 0.0)),
-                named,
-                "row {row}"
-            );
-            assert_eq!(
-                singular(&|arrow| arrow.add(row, row, f64::NAN)),
-                named,
-                "row {row}"
-            );
+            assert_eq!(singular(&|arrow| arrow.set_unit_row(row, 0.0)), named, "row {row}");
+            assert_eq!(singular(&|arrow| arrow.add(row, row, f64::NAN)), named, "row {row}");
         }
     }
 }

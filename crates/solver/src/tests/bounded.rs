@@ -87,10 +87,7 @@ fn a_step_continues_where_its_work_was_used_up() {
         let (parts, open) = in_parts(more, false);
         assert!(open > 0, "{more}");
         let [found, expected] = [&parts, &whole].map(|state| state.y[state.y.len() - 1]);
-        assert!(
-            (found - expected).abs() < 1e-4 * expected.abs(),
-            "{found}, {expected}"
-        );
+        assert!((found - expected).abs() < 1e-4 * expected.abs(), "{found}, {expected}");
         assert_eq!(in_parts(more, true), (parts, open), "{more}");
     }
 }

@@ -54,17 +54,10 @@ fn the_stable_branch_is_found_from_either_side() {
     for parameter in [1.0_f64, 1e-2, 1e-4] {
         let root = parameter.sqrt();
         for start in [30.0 * root, 2.0 * root, 0.5 * root, -0.5 * root] {
-            let ([y, _], outcome, _) = settled(
-                Fold { parameter },
-                [start, 0.0],
-                &SETTINGS,
-                [0.5 * root, f64::INFINITY],
-            );
+            let ([y, _], outcome, _) =
+                settled(Fold { parameter }, [start, 0.0], &SETTINGS, [0.5 * root, f64::INFINITY]);
             outcome.unwrap();
-            assert!(
-                (y - root).abs() < 1e-9 * root,
-                "λ = {parameter}, from {start}: {y}"
-            );
+            assert!((y - root).abs() < 1e-9 * root, "λ = {parameter}, from {start}: {y}");
         }
     }
 }
@@ -107,12 +100,8 @@ fn an_arch_stands_until_it_snaps() {
 
 #[test]
 fn who_refuses_every_step_ends_it() {
-    let ([y, _], outcome, refused) = settled(
-        Fold { parameter: 1.0 },
-        [30.0, 0.0],
-        &SETTINGS,
-        [0.0, f64::INFINITY],
-    );
+    let ([y, _], outcome, refused) =
+        settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, [0.0, f64::INFINITY]);
     let report = outcome.unwrap_err();
     assert_eq!(y, 30.0);
     assert!(report.step < MIN_STEP && refused == report.solves, "{report:?}");
@@ -124,12 +113,7 @@ fn the_system_is_evaluated_at_the_time_that_was_set() {
         time: 3.0,
         ..SETTINGS
     };
-    let ([y, _], outcome, _) = settled(
-        Fold { parameter: 1.0 },
-        [1.0, 0.0],
-        &settings,
-        [0.5, f64::INFINITY],
-    );
+    let ([y, _], outcome, _) = settled(Fold { parameter: 1.0 }, [1.0, 0.0], &settings, [0.5, f64::INFINITY]);
     outcome.unwrap();
     assert!((y - 2.0).abs() < 1e-9, "{y}");
 }

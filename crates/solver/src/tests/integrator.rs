@@ -96,10 +96,7 @@ fn estimate_is_of_third_order() {
 #[test]
 fn estimate_is_the_error_of_quadrature() {
     let [estimate, error] = one_step(&mut Test::new(Quadrature {}), 1e-3);
-    assert!(
-        (estimate[0] / error[0] - 1.0).abs() < 0.01,
-        "{estimate:?} {error:?}"
-    );
+    assert!((estimate[0] / error[0] - 1.0).abs() < 0.01, "{estimate:?} {error:?}");
     let [estimate, error] = one_step(&mut Test::new(Decay {}), 1e-2);
     let slopes = [GAMMA * GAMMA, 2.0 * GAMMA - GAMMA * GAMMA];
     let first = 1.0 / (6.0 * GAMMA * (1.0 - GAMMA));
@@ -146,19 +143,13 @@ fn relaxation_oscillation() {
     for (tolerance, pinned) in [(1e-4, [110, 24, 0, 868, 47]), (1e-6, [442, 36, 0, 2791, 96])] {
         let mut state = resting(&system);
         system.accepted.clear();
-        let counts = run(&mut system, &mut state, 30.0, tolerance)
-            .unwrap()
-            .newton
-            .counts;
+        let counts = run(&mut system, &mut state, 30.0, tolerance).unwrap().newton.counts;
         errors.push((system.values(&state.q)[0] - exact).abs());
         assert_work(work(counts), pinned, "");
     }
     assert!(errors[0] < 1e-2 && errors[1] < 0.1 * errors[0], "{errors:?}");
     let lengths = || system.accepted.iter().map(|[_, length]| *length);
-    let (least, most) = (
-        lengths().fold(f64::INFINITY, f64::min),
-        lengths().fold(0.0, f64::max),
-    );
+    let (least, most) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max));
     assert!(most > 300.0 * least, "{least} {most}");
 }
 

@@ -12,9 +12,7 @@ use super::newton::Counts;
 /// Numbers without a pattern within ±1: a tone whose pitch rises.
 pub fn numbers(count: usize, seed: u32) -> Vec<f64> {
     let rise = 0.7 + 0.01 * f64::from(seed);
-    (0..count)
-        .map(|i| (rise * ((i + 1) * (i + 1)) as f64).sin())
-        .collect()
+    (0..count).map(|i| (rise * ((i + 1) * (i + 1)) as f64).sin()).collect()
 }
 
 /// Work of a run in numbers: steps, rejected, failed, residuals, factorizations.

@@ -173,11 +173,7 @@ fn ill_scaled_unknowns_and_rows() {
         (a * 1e9 - 1.0).abs() < 1e-10 && (b * 1e-9 - 2.0).abs() < 1e-10,
         "{a} {b}"
     );
-    assert_work(
-        [newton.counts.residuals, newton.counts.factorizations],
-        [9, 1],
-        "",
-    );
+    assert_work([newton.counts.residuals, newton.counts.factorizations], [9, 1], "");
 }
 
 impl Springs {
@@ -229,9 +225,5 @@ fn iterations_add_up_to_a_new_jacobian() {
     }
     let total = made[made.len() - 1];
     assert!((2..=20).contains(&total), "{total} for 40 stages");
-    assert_work(
-        [newton.counts.residuals, newton.counts.factorizations],
-        [240, 7],
-        "",
-    );
+    assert_work([newton.counts.residuals, newton.counts.factorizations], [240, 7], "");
 }

@@ -128,16 +128,11 @@ impl Site {
             .filter(|address| is_elsewhere(address))
             .map(|address| address.split(['"', '\'', ')', ';']).next().unwrap_or_default());
         let shown = self.shown(file);
-        Ok(addresses
-            .map(|address| format!("{shown} loads {address}"))
-            .collect())
+        Ok(addresses.map(|address| format!("{shown} loads {address}")).collect())
     }
 
     fn shown(&self, file: &Path) -> String {
-        file.strip_prefix(&self.root)
-            .unwrap_or(file)
-            .display()
-            .to_string()
+        file.strip_prefix(&self.root).unwrap_or(file).display().to_string()
     }
 }
 
@@ -152,9 +147,7 @@ fn has_scheme(address: &str) -> bool {
 }
 
 fn is_elsewhere(address: &str) -> bool {
-    ["http:", "https:", "//"]
-        .iter()
-        .any(|start| address.starts_with(start))
+    ["http:", "https:", "//"].iter().any(|start| address.starts_with(start))
 }
 
 /// The path without `.` and `..`.
@@ -208,10 +201,7 @@ mod tests {
             <img src="data:image/png;base64,x"><a href="#">7</a>"##;
         let files = [
             ("index.html", index),
-            (
-                "part/a b.html",
-                r#"<p id="über"><a href="../index.html#top">up</a>"#,
-            ),
+            ("part/a b.html", r#"<p id="über"><a href="../index.html#top">up</a>"#),
             ("part/p.png", ""),
             ("part/s.css", "a { background: url(\"p.png\") }"),
             ("api/index.html", r#"<a href="none">not looked at</a>"#),

@@ -51,19 +51,14 @@ pub(super) struct ElementPack<const N: usize> {
 impl<const N: usize> ElementPack<N> {
     pub(super) fn all<M: RingFormulation<D, N>, const D: usize>(model: &M) -> Vec<Self> {
         let shape = shape::<M, D, N>(model);
-        let elements: Vec<_> = (0..model.elements())
-            .map(|element| model.directions(element))
-            .collect();
+        let elements: Vec<_> = (0..model.elements()).map(|element| model.directions(element)).collect();
         let entry = |i, j| shape.index(i, j).expect("an entry in the band");
         let chunks = elements.chunks(LANES).enumerate();
         chunks
             .map(|(k, elements)| Self {
                 first: k * LANES,
                 elements: elements.to_vec(),
-                entries: elements
-                    .iter()
-                    .map(|at| at.map(|i| at.map(|j| entry(i, j))))
-                    .collect(),
+                entries: elements.iter().map(|at| at.map(|i| at.map(|j| entry(i, j)))).collect(),
                 lanes: array::from_fn(|i| {
                     array::from_fn(|lane| elements.get(lane).unwrap_or(&elements[0])[i])
                 }),
@@ -79,12 +74,7 @@ impl<const N: usize> ElementPack<N> {
         slopes: [f64; 2],
         seed: impl Fn(Lanes, usize, f64) -> T,
     ) -> Coordinates<T, N> {
-        coordinates(
-            view,
-            slopes,
-            |of, k| Lanes::new(self.lanes[k].map(|i| of[i])),
-            seed,
-        )
+        coordinates(view, slopes, |of, k| Lanes::new(self.lanes[k].map(|i| of[i])), seed)
     }
 
     /// Adds its derivatives to the matrix; false if the model evaluates its elements one by one.

@@ -51,10 +51,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
     pub fn dissipation(&self, view: View<'_>) -> f64 {
         let frame = self.frame(view);
         (0..self.model.elements())
-            .map(|element| {
-                self.model
-                    .dissipation(&frame, element, &self.values(view, element))
-            })
+            .map(|element| self.model.dissipation(&frame, element, &self.values(view, element)))
             .sum()
     }
 
@@ -79,10 +76,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
                     let motion = self.values(view, element);
                     unit[i] = 0.0;
                     let (particle, scale) = self.model.particle(&frame, element, x, &motion);
-                    (
-                        particle.velocity,
-                        weight * scale * self.model.ring().mass_per_length,
-                    )
+                    (particle.velocity, weight * scale * self.model.ring().mass_per_length)
                 };
                 let p = at.map(column);
                 for (i, (p_i, weight)) in at.iter().zip(&p) {
