@@ -3,6 +3,7 @@
 
 use pushbelt::archive::Archive;
 use pushbelt::scalar::Lanes;
+use pushbelt::solver::Factors;
 use pushbelt::solver::View;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::variator::ring_models::{
@@ -62,7 +63,7 @@ impl Assembly for HeldCentres {
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        factors: [f64; 2],
+        factors: Factors,
         (matrix, resultants): (&mut Arrow, &mut ResultantDerivatives),
     ) -> PerPulley<PulleyLoad> {
         let loads = self.free.jacobian(acting, view, factors, (matrix, resultants));

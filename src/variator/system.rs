@@ -4,6 +4,7 @@ use crate::archive::Archive;
 use crate::contact::Friction;
 use crate::pulley::{PerPulley, Pulley};
 use crate::scalar::Lanes;
+use crate::solver::Factors;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
 use crate::variator::belt::equations::{Assembly, InForce};
@@ -207,7 +208,7 @@ impl System for VariatorSystem {
         let friction = &self.friction();
         let belt = &*self.belt;
         self.resultants.clear();
-        let factors = [alpha, beta];
+        let factors = Factors { alpha, beta };
         let of_belt = (&mut *out, &mut self.resultants);
         let loads = self
             .assembly

@@ -80,6 +80,24 @@ impl State {
     }
 }
 
+/// Factors of ∂F/∂ẏ and ∂F/∂q in the Jacobian ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q: the derivatives of ẏ and q
+/// with respect to y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Factors {
+    /// α, 1/s.
+    pub alpha: f64,
+    /// β, s.
+    pub beta: f64,
+}
+
+impl Factors {
+    /// Those of ∂F/∂y alone.
+    pub const ZERO: Self = Self {
+        alpha: 0.0,
+        beta: 0.0,
+    };
+}
+
 /// An implicit system.
 pub trait System {
     /// Shape of the Jacobian; its length is the number of unknowns.

@@ -12,6 +12,7 @@ use crate::travelling::evaluation::{
 use crate::travelling::order::{Order, nodal};
 use crate::travelling::passing::{CONTENT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
+use pushbelt::solver::Factors;
 use pushbelt::variator::ring_models::{
     Assembly, Belt, InForce, Layout, PulleyLoad, ResultantDerivatives, Sample, Transport, Transports,
 };
@@ -68,7 +69,7 @@ impl<E: LagrangianElement> TravellingCells<E> {
     }
 
     /// Adds the derivatives of the ring's own elements, and computes those of their mean tensions.
-    fn add_ring_derivatives(&mut self, layout: &Layout, view: View<'_>, factors: [f64; 2], out: &mut Arrow) {
+    fn add_ring_derivatives(&mut self, layout: &Layout, view: View<'_>, factors: Factors, out: &mut Arrow) {
         for element in 0..self.ring.elements() {
             let seed = Tangent::<NODAL, f64>::seed;
             let motion = coordinates(layout, view, element, factors, seed);
@@ -118,7 +119,7 @@ fn add_cell_derivatives<E: LagrangianElement>(
     evaluation: &Evaluation<'_, E>,
     over: &CellOver,
     frames: &PassFrames,
-    factors: [f64; 2],
+    factors: Factors,
     (of_cell, transports): (&mut CellDerivatives, &mut Transports),
     (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
 ) -> PulleyLoad {
@@ -227,12 +228,12 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        factors: [f64; 2],
+        factors: Factors,
         (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
     ) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
         let layout = &belt.layout;
-        let [alpha, beta] = factors;
+        let Factors { alpha, beta } = factors;
         let s = view.q[layout.drift()];
         let theta = belt.theta(view);
         let frame = belt.curve.frame(theta);

@@ -9,6 +9,7 @@ use crate::scalar::{Real, Tangent};
 use crate::solver::View;
 use crate::travelling::order::nodal;
 use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtPoint};
+use pushbelt::solver::Factors;
 use pushbelt::variator::ring_models::{
     AtStation, CELL_POINTS, CellGeometry, CellInput, CellMotion, CellPoints, InForce, Layout, StateComponent,
     balance,
@@ -35,7 +36,7 @@ pub(super) trait Scalars: Copy {
     /// Scalar of places on the ring: a plain number where the mesh is fixed.
     type W: Real;
     /// Factors of ẏ and q in the derivatives.
-    fn factors(&self) -> [f64; 2];
+    fn factors(&self) -> Factors;
     /// The scalar of a value, its direction and its derivative.
     fn seed(&self, value: f64, direction: usize, derivative: f64) -> Self::T;
     /// The scalar of a place on the ring.
@@ -49,8 +50,8 @@ pub(super) struct Values;
 impl Scalars for Values {
     type T = f64;
     type W = f64;
-    fn factors(&self) -> [f64; 2] {
-        [0.0; 2]
+    fn factors(&self) -> Factors {
+        Factors::ZERO
     }
     #[inline(always)]
     fn seed(&self, value: f64, _direction: usize, _derivative: f64) -> f64 {
@@ -66,13 +67,13 @@ impl Scalars for Values {
 #[derive(Clone, Copy)]
 pub(super) struct Still {
     pub first: usize,
-    pub factors: [f64; 2],
+    pub factors: Factors,
 }
 
 impl Scalars for Still {
     type T = Differentiated;
     type W = f64;
-    fn factors(&self) -> [f64; 2] {
+    fn factors(&self) -> Factors {
         self.factors
     }
     #[inline(always)]
@@ -92,7 +93,7 @@ pub(super) struct Moving(pub Still);
 impl Scalars for Moving {
     type T = Differentiated;
     type W = Differentiated;
-    fn factors(&self) -> [f64; 2] {
+    fn factors(&self) -> Factors {
         self.0.factors
     }
     #[inline(always)]
@@ -124,7 +125,7 @@ struct CellScalars<'a, S> {
 impl<S: Scalars> CellScalars<'_, S> {
     #[inline(always)]
     fn unknown(&self, part: StateComponent, k: usize) -> S::T {
-        let [alpha, beta] = self.scalars.factors();
+        let Factors { alpha, beta } = self.scalars.factors();
         let (of, factor) = match part {
             StateComponent::Position => (self.view.q, beta),
             StateComponent::Value => (self.view.y, 1.0),
@@ -245,7 +246,7 @@ pub(super) fn coordinates<T: Real>(
     layout: &Layout,
     view: View<'_>,
     element: usize,
-    [alpha, beta]: [f64; 2],
+    Factors { alpha, beta }: Factors,
     seed: impl Fn(f64, usize, f64) -> T,
 ) -> Coordinates<T> {
     std::array::from_fn(|k| {
@@ -267,5 +268,5 @@ pub(super) fn coordinates<T: Real>(
 
 /// Motion of the unknowns of an element as plain numbers.
 pub(super) fn values(layout: &Layout, view: View<'_>, element: usize) -> Coordinates<f64> {
-    coordinates(layout, view, element, [0.0; 2], |value, _, _| value)
+    coordinates(layout, view, element, Factors::ZERO, |value, _, _| value)
 }

@@ -3,6 +3,7 @@
 use super::{ElementMotion, Hermite, Motion, ReferenceMotion, cross, embed, in_plane, inward_normal};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::scalar::{Real, turn_right, zero_vector};
+use crate::solver::Factors;
 use nalgebra::SVector;
 
 /// The ring at a mesh point.
@@ -199,7 +200,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         shape: &Hermite<T::Constant>,
         element: &ElementMotion<T, D>,
         [m, k]: [usize; 2],
-        [alpha, beta]: [f64; 2],
+        Factors { alpha, beta }: Factors,
     ) -> Self {
         let (l, [l_dot, l_ddot]) = (element.length.v, element.length_rates);
         // d = b l for the slope of a node, d = a for its deflection.

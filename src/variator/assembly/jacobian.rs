@@ -3,6 +3,7 @@
 
 use crate::reference_curve::{COORDINATES, Jet, MeshCurve, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
+use crate::solver::Factors;
 use crate::variator::assembly::derivatives::Columns;
 use crate::variator::assembly::kinds::{RingKind, frame, pack_balance, rows};
 use crate::variator::assembly::pack::{Pack, Unknowns};
@@ -49,8 +50,7 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
             let (tangents, forces) = &*seen.borrow();
             into.derivatives.set_tangents(tangents, frames.update);
             if let (false, true, Some(ring)) = (frames.update, frames.by_hand, K::by_hand(ring)) {
-                let [beta, _, alpha] = frames.factors;
-                let linear = Linearised::new(ring, given, cell, (points, forces, tangents), [alpha, beta]);
+                let linear = Linearised::new(ring, given, cell, (points, forces, tangents), frames.factors);
                 into.record_by_hand::<K, _, D>(&linear);
             }
         },
@@ -59,7 +59,7 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     for (directions, frame) in frames.passes() {
         let seeded = |component: StateComponent, k: usize| {
             seed(
-                &frames.factors,
+                frames.factors,
                 unknowns[component as usize][k],
                 component,
                 k,
@@ -85,8 +85,8 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
 /// Frames of the curve at one place of a path: without derivatives, and for each pass of forward
 /// differentiation with those in its directions. An update of tangents has no passes.
 pub(crate) struct Frames<C: MeshCurve> {
-    /// Derivatives of position, value and rate of an unknown with respect to it.
-    factors: [f64; 3],
+    /// Derivatives of rate and position of an unknown with respect to it.
+    factors: Factors,
     /// Whether the tangents alone are evaluated.
     update: bool,
     /// Whether only drift and coordinates of the curve are differentiated forward.
@@ -106,10 +106,10 @@ impl<C: MeshCurve> Frames<C> {
     pub fn new<K: DegreesOfFreedom>(
         curve: &TwoPulley,
         path: Path<f64>,
-        [alpha, beta]: [f64; 2],
+        factors: Factors,
         [update, by_hand]: [bool; 2],
     ) -> Self {
-        let (degrees, factors) = (K::DEGREES, [beta, 1.0, alpha]);
+        let degrees = K::DEGREES;
         let of_curve = if update {
             0..0
         } else {
@@ -132,7 +132,7 @@ impl<C: MeshCurve> Frames<C> {
         };
         let pass_from = |first: usize| {
             let seed = |k: usize, value, component| {
-                seed(&factors, Lanes::from(value), component, degrees.theta + k, first)
+                seed(factors, Lanes::from(value), component, degrees.theta + k, first)
             };
             let path = std::array::from_fn(|k| Jet {
                 v: seed(k, path[k].v, StateComponent::Position),
@@ -168,12 +168,6 @@ impl<C: MeshCurve> Frames<C> {
 
 /// A part of unknown `k` with its derivatives in the directions of a pass from `first` on.
 #[inline(always)]
-fn seed(
-    factors: &[f64; 3],
-    value: Lanes,
-    component: StateComponent,
-    k: usize,
-    first: usize,
-) -> Tangent<PASS> {
-    Tangent::seed(value, k.wrapping_sub(first), factors[component as usize])
+fn seed(factors: Factors, value: Lanes, component: StateComponent, k: usize, first: usize) -> Tangent<PASS> {
+    Tangent::seed(value, k.wrapping_sub(first), component.derivative(factors))
 }

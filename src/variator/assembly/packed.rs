@@ -4,6 +4,7 @@ use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{COORDINATES, MeshCurve, ReferenceCurve};
 use crate::scalar::Lanes;
+use crate::solver::Factors;
 use crate::solver::arrow::Arrow;
 use crate::solver::{State, View};
 use crate::stack::Transport;
@@ -26,6 +27,12 @@ use std::marker::PhantomData;
 /// method takes up to ten times as many Jacobians: a factor of 3 costs a third more time under
 /// rough loads.
 const RESCALED: f64 = 1.5;
+/// Factors before the first Jacobian.
+const NO_FACTORS: Factors = Factors {
+    alpha: f64::NAN,
+    beta: f64::NAN,
+};
+
 /// Rotation of the ring up to which its geometry is reused, rad. Half of it renews a sixth more
 /// geometry and twice of it a tenth less, with the same number of Jacobians within noise.
 const ROTATED: f64 = 1.2e-2;
@@ -36,12 +43,12 @@ const SHIFTED: f64 = 3.0e-3;
 /// Where all derivatives were evaluated: state, and factors of ẏ and q; NaN where they were not.
 #[derive(Clone, Debug)]
 struct Origin {
-    factors: [f64; 2],
+    factors: Factors,
     state: State,
 }
 
 impl Origin {
-    fn set(&mut self, view: View<'_>, factors: [f64; 2]) {
+    fn set(&mut self, view: View<'_>, factors: Factors) {
         self.factors = factors;
         self.state.y.copy_from_slice(view.y);
         self.state.y_dot.copy_from_slice(view.y_dot);
@@ -79,7 +86,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
         let cells = belt.mesh.cells.len();
         let packs = packs::<K>(belt);
         let origin = Origin {
-            factors: [f64::NAN; 2],
+            factors: NO_FACTORS,
             state: State::zero(belt.layout.len()),
         };
         Box::new(Self {
@@ -98,10 +105,10 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     }
 
     /// Whether the geometry of the derivatives is still valid in a state with these factors.
-    fn is_valid(&self, belt: &Belt, view: View<'_>, factors: [f64; 2]) -> bool {
+    fn is_valid(&self, belt: &Belt, view: View<'_>, factors: Factors) -> bool {
         let Origin { factors: then, state } = &self.origin;
         self.by_hand
-            && (1.0 / RESCALED..RESCALED).contains(&(factors[0] / then[0]))
+            && (1.0 / RESCALED..RESCALED).contains(&(factors.alpha / then.alpha))
             && is_near(belt, &state.q, view.q)
     }
 
@@ -111,7 +118,7 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        factors: [f64; 2],
+        factors: Factors,
         mut out: Option<(&mut Arrow, &mut ResultantDerivatives)>,
     ) -> PerPulley<PulleyLoad<Lanes>> {
         let belt = acting.belt;
@@ -199,11 +206,11 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        factors: [f64; 2],
+        factors: Factors,
         (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
     ) -> PerPulley<PulleyLoad> {
         let loads = self.differentiate(acting, view, factors, Some((&mut *out, resultants)));
-        self.add_flux_derivatives(acting.belt, factors[0], out);
+        self.add_flux_derivatives(acting.belt, factors.alpha, out);
         loads.map(|of| of.map(Lanes::sum))
     }
 
@@ -215,17 +222,18 @@ impl<K: RingKind<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K
     }
 
     fn forget_derivatives(&mut self) {
-        self.origin.factors = [f64::NAN; 2];
+        self.origin.factors = NO_FACTORS;
     }
 
     fn serialize_derivatives(&mut self, acting: InForce<'_>, archive: &mut Archive<'_>) {
         let Origin { factors, state } = &mut self.origin;
-        factors.iter_mut().for_each(|factor| archive.any_real(factor));
+        archive.any_real(&mut factors.alpha);
+        archive.any_real(&mut factors.beta);
         state.serialize(archive);
         if archive.is_reading() {
             let Origin { factors, state } = self.origin.clone();
             self.forget_derivatives();
-            if !factors[0].is_nan() {
+            if !factors.alpha.is_nan() {
                 self.differentiate(acting, state.view(), factors, None);
             }
         }

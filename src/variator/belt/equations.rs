@@ -6,6 +6,7 @@ use crate::archive::Archive;
 use crate::contact::Friction;
 use crate::pulley::PerPulley;
 use crate::scalar::Lanes;
+use crate::solver::Factors;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::variator::belt::Belt;
@@ -39,7 +40,7 @@ pub trait Assembly: Debug + Send + Sync {
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
-        factors: [f64; 2],
+        factors: Factors,
         out: (&mut Arrow, &mut ResultantDerivatives),
     ) -> PerPulley<PulleyLoad>;
 

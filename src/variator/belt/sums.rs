@@ -30,9 +30,9 @@ impl ResultantDerivatives {
         &mut self.0[pulley][axis]
     }
 
-    /// Derivatives of `factors`·resultant at a pulley with respect to each unknown.
-    pub fn along(&self, pulley: Pulley, factors: [f64; 2]) -> impl Iterator<Item = f64> + '_ {
+    /// Derivatives of `weights`·resultant at a pulley with respect to each unknown.
+    pub fn along(&self, pulley: Pulley, weights: [f64; 2]) -> impl Iterator<Item = f64> + '_ {
         let [x, y] = &self.0[pulley];
-        x.iter().zip(y).map(move |(x, y)| factors[0] * x + factors[1] * y)
+        x.iter().zip(y).map(move |(x, y)| weights[0] * x + weights[1] * y)
     }
 }

@@ -4,6 +4,7 @@
 use crate::contact::{FlankForce, FlankMotion};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
+use crate::solver::Factors;
 use crate::stack::{StackPoint, StackVariation};
 use crate::variator::cell::laws::{Arguments, FORCES, Forces, Tangents, of_flank, of_two};
 use crate::variator::cell::state::{CellInput, CellState, StationForces, StationState};
@@ -78,7 +79,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         cell: &CellState<Lanes>,
         (i, station): (usize, &'a StationState<Lanes, D>),
         (forces, tangents): (&'a StationForces<Lanes, D>, &'a [Tangents]),
-        factors: [f64; 2],
+        factors: Factors,
     ) -> Self {
         let StationState { ring, stack, weight } = station;
         let StationForces {
@@ -353,7 +354,7 @@ impl FlankVariation {
     pub fn of_pulley(
         given: &CellInput<'_, Lanes>,
         at: [Vector2<Lanes>; 3],
-        [alpha, beta]: [f64; 2],
+        Factors { alpha, beta }: Factors,
     ) -> [Self; 4] {
         let PulleyMotion {
             z,

@@ -10,6 +10,7 @@
 
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent, along};
+use crate::solver::Factors;
 use crate::stack::{StackPoint, StackVariation, Transport};
 use crate::variator::cell::degrees::DegreesOfFreedom;
 use crate::variator::cell::laws::{Arguments, FORCES, Forces, OfLaws, Tangents, of_two};
@@ -37,7 +38,7 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     /// Tangents of the push force.
     d_push: &'a Arguments<Lanes>,
     /// Factors of acceleration and position.
-    factors: [f64; 2],
+    factors: Factors,
 }
 
 /// An unknown that a cell has alone, or of its pulley.
@@ -84,7 +85,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         given: CellInput<'a, Lanes>,
         cell: CellState<Lanes>,
         (points, forces, tangents): (&'a CellPoints<Lanes, D>, &'a ForcesOfCell<D>, &'a OfLaws<Tangents>),
-        factors: [f64; 2],
+        factors: Factors,
     ) -> Self {
         let face = points.face();
         let mut stations = [None; STATIONS];
@@ -116,7 +117,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         direction: Direction,
         arguments: &mut OfLaws<Arguments<Lanes>>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
-        let [alpha, beta] = self.factors;
+        let Factors { alpha, beta } = self.factors;
         let own = match direction {
             Direction::Ring(own) => Some(own),
             _ => None,
@@ -253,7 +254,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                     let unit = std::array::from_fn(|k| std::array::from_fn(|of| is_unit(k, of)));
                     let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
                     self.add_unit((i, station), (unit, [zero; 2]), &mut out, &mut sum);
-                    let ring = self.ring.varied_forces(&sum, None, self.factors[1]);
+                    let ring = self.ring.varied_forces(&sum, None, self.factors.beta);
                     record((i * D + law) * FORCES + force, out, ring);
                 }
             }
@@ -264,7 +265,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let pushed = ([[zero; FORCES]; 3], station.stack.curvature);
             self.add_unit((i, station), pushed, &mut out, &mut sum);
         }
-        let ring = self.ring.varied_forces(&sum, None, self.factors[1]);
+        let ring = self.ring.varied_forces(&sum, None, self.factors.beta);
         record(self.given.geometry.stations.len() * D * FORCES, out, ring);
     }
 

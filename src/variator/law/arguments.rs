@@ -8,6 +8,7 @@ use crate::ring::Ring;
 use crate::ring::kinematics::{Motion, ReferenceMotion};
 use crate::ring::layers::Layers;
 use crate::scalar::Real;
+use crate::solver::Factors;
 use crate::stack::{self, Transport};
 use crate::variator::law::element_rotation::rotation_drag_coefficients;
 use crate::variator::mesh::belt_mesh::Station;
@@ -134,6 +135,19 @@ pub enum StateComponent {
     Value,
     /// Its rate ẏ.
     Rate,
+}
+
+impl StateComponent {
+    /// Derivative with respect to the unknown.
+    #[inline(always)]
+    #[must_use]
+    pub fn derivative(self, factors: Factors) -> f64 {
+        match self {
+            Self::Position => factors.beta,
+            Self::Value => 1.0,
+            Self::Rate => factors.alpha,
+        }
+    }
 }
 
 impl<T: Real> CellMotion<T> {

@@ -9,6 +9,7 @@
 use crate::pulley::{PerPulley, Pulley, StopForce, Travel};
 use crate::scalar::{Real, Tangent};
 use crate::shaft::Drag;
+use crate::solver::Factors;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::tilt::Tilt;
@@ -286,12 +287,12 @@ impl<'a> Pulleys<'a> {
         boundary: &Boundary,
         (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantDerivatives),
         view: View<'_>,
-        factors: [f64; 2],
+        factors: Factors,
         out: &mut Arrow,
     ) {
         for pulley in Pulley::BOTH {
             self.sheave_jacobian(pulley, boundary.sheave[pulley], view, factors, out);
-            self.tilt_jacobian(pulley, view, factors[0], out);
+            self.tilt_jacobian(pulley, view, factors.alpha, out);
             self.add_drag_jacobian(pulley, (loads, resultants), view, out);
         }
         if let ShaftMode::Balanced { primary, .. } = boundary.shaft.secondary {
@@ -301,7 +302,7 @@ impl<'a> Pulleys<'a> {
         for pulley in Pulley::BOTH {
             let i = self.layout().shaft_speed(pulley);
             let inertia = self.inertia_factor() * self.parameters.pulley(pulley).inertia;
-            let alpha = factors[0];
+            let alpha = factors.alpha;
             match boundary.shaft[pulley] {
                 ShaftMode::Setpoint(_) => out.set_unit_row(i, inertia * (alpha + 1.0 / SPEED_LAG)),
                 ShaftMode::Fixed => out.set_unit_row(i, inertia * alpha.max(1.0)),
@@ -354,7 +355,7 @@ impl<'a> Pulleys<'a> {
         pulley: Pulley,
         mode: SheaveMode,
         view: View<'_>,
-        [alpha, beta]: [f64; 2],
+        Factors { alpha, beta }: Factors,
         out: &mut Arrow,
     ) {
         let (unknowns, motion) = self.sheave_motion(pulley, view);

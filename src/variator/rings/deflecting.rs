@@ -7,6 +7,7 @@ use crate::ring::kinematics::{
     ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
 };
 use crate::scalar::Real;
+use crate::solver::Factors;
 use crate::variator::law::arguments::CellGeometry;
 use crate::variator::rings::ring::{CellRing, EulerianRing, RingForces, StationLoad, VaryingRing};
 
@@ -97,7 +98,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     const MOVES: bool = true;
 
     #[inline(always)]
-    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: [f64; 2]) -> RingVariation<T, D> {
+    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: Factors) -> RingVariation<T, D> {
         let shape = &self.geometry.point(at).shape;
         let (node, k, is_slope) = node_direction::<D>(own);
         let which = [2 * node + usize::from(is_slope), k];

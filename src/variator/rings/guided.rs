@@ -17,6 +17,7 @@ use crate::ring::Ring;
 use crate::ring::ale::{self, RingDensity};
 use crate::ring::kinematics::{LineLoad, Node, ReferenceMotion, RingPoint, RingVariation};
 use crate::scalar::{Real, zero_vector};
+use crate::solver::Factors;
 use crate::variator::law::arguments::{CellGeometry, between, face_weight};
 use crate::variator::rings::ring::{CellRing, EulerianRing, RingForces, StationLoad, VaryingRing};
 
@@ -179,7 +180,7 @@ impl<T: Real, C: MeshCurve> VaryingRing<T> for Guided<'_, T, C> {
     const MOVES: bool = false;
 
     #[inline(always)]
-    fn vary(&self, _at: usize, _point: &RingPoint<T>, _own: usize, _factors: [f64; 2]) -> RingVariation<T> {
+    fn vary(&self, _at: usize, _point: &RingPoint<T>, _own: usize, _factors: Factors) -> RingVariation<T> {
         RingVariation::none()
     }
 

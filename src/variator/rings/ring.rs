@@ -6,6 +6,7 @@ use crate::reference_curve::{COORDINATES, ReferencePoint};
 use crate::ring::ale::RingDensity;
 use crate::ring::kinematics::{LineLoad, Node, RingPoint, RingVariation};
 use crate::scalar::Real;
+use crate::solver::Factors;
 
 /// Loads at a station, per dξ.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +56,7 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
 
     /// Variation of the ring at a point with its own unknown `own`; `factors` are those of
     /// acceleration and position.
-    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: [f64; 2]) -> RingVariation<T, D>;
+    fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: Factors) -> RingVariation<T, D>;
 
     /// Adds the variation of [`CellRing::own_load`]; returns that of the tension. `own` is the
     /// ring's unknown that varies, if any.

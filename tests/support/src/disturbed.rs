@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::solver::Factors;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
@@ -126,7 +127,10 @@ fn columns(system: &VariatorSystem, state: &State, equations: Equations, by_hand
     equations(belt, by_hand).jacobian(
         InForce { belt, friction },
         state.view(),
-        [1.0e4, 1.0e-4],
+        Factors {
+            alpha: 1.0e4,
+            beta: 1.0e-4,
+        },
         (&mut matrix, &mut resultants),
     );
     let column = |k: usize| {
