@@ -1,4 +1,4 @@
-//! What a master sets and reads: the variables of the detailed unit that maps have values for, and
+//! What an importer sets and reads: the variables of the detailed unit that maps have values for, and
 //! `map.outside`.
 
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! The values that a master sets; the rings that a unit offers, and the variables that choose among
+//! The values that an importer sets; the rings that a unit offers, and the variables that choose among
 //! them.
 
 use crate::fmi::table::{Access, Causality, Enumeration, Kind, Retired, Variable};
@@ -11,7 +11,7 @@ use crate::variator::settings::{
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// The values that a master sets. The default is the variator of the default experiment.
+/// The values that an importer sets. The default is the variator of the default experiment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings<R = StandardRings> {
     /// Parameters of the variator.

@@ -179,7 +179,7 @@ fn find_memory(mesh: &Mesh) -> Result<(), String> {
     })
 }
 
-/// The tolerance to use, from the parameter and from the experiment. Masters pass the default
+/// The tolerance to use, from the parameter and from the experiment. Importers pass the default
 /// experiment's tolerance without any action of the user, so a changed parameter takes precedence.
 fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Message>) -> f64 {
     let mut remark = |warning, text| remarks.push(Message { warning, text });

@@ -77,7 +77,7 @@ fn inputs_can_change_within_a_step() {
 
 /// At a time between the belt's own steps.
 #[test]
-fn a_master_can_return_a_little_later() {
+fn an_importer_can_return_a_little_later() {
     let importer = watching(true);
     importer.start();
     let asked = Rc::new(RefCell::new(None));

@@ -60,7 +60,7 @@ fn names_and_value_references_are_unique() {
     }
 }
 
-/// Master tools store these numbers: new ones may be added, but none may change.
+/// Importer tools store these numbers: new ones may be added, but none may change.
 #[test]
 fn value_references_do_not_change() {
     let table = VariatorUnit::table();

@@ -19,7 +19,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / folder) for folder in ("python", "validation", "paper/python", "examples/cosim", "benches")]
 
-from pushbelt_cosim.masters import leave  # noqa: E402
+from pushbelt_cosim.importers import leave  # noqa: E402
 
 from pushbelt.fmu import cache  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402

@@ -1,4 +1,4 @@
-"""The drive as a co-simulation of FMUs: the package, its units, and runs in third-party masters."""
+"""The drive as a co-simulation of FMUs: the package, its units, and runs in third-party importers."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if not pythonfmu.FmuBuilder.has_binary():
 
 from pushbelt_cosim import __main__ as program
 from pushbelt_cosim import fmus, package, report, study
-from pushbelt_cosim.masters import MASTERS
+from pushbelt_cosim.importers import IMPORTERS
 
 ROOT = Path(__file__).parents[2]
 NAMESPACES = {"ssd": package.SSD, "ssc": package.SSC, "ssv": package.SSV}
 PACKAGES = {"ecos": "ecospy", "libcosim": "libcosimpy"}
-THERE = [name for name in MASTERS if importlib.util.find_spec(PACKAGES[name])]
+THERE = [name for name in IMPORTERS if importlib.util.find_spec(PACKAGES[name])]
 
 
 @pytest.fixture(scope="module")
@@ -82,30 +82,30 @@ def test_refusal_is_one_line(
 @pytest.fixture(scope="module")
 def coupling(fmu: Path, drive_folder: Path) -> study.Coupling:
     if not THERE:
-        pytest.skip("no master has a wheel for this Python and machine")
+        pytest.skip("no importer has a wheel for this Python and machine")
     return study.run(fmu, study.SHORT, drive_folder, THERE)
 
 
 def test_program_runs(coupling: study.Coupling, drive_folder: Path, tmp_path: Path) -> None:
     """The example in the docs; its output equals the result at 10 ms."""
-    if "ecos" not in coupling.masters:
+    if "ecos" not in coupling.importers:
         pytest.skip("ecospy has no wheel for this Python and machine")
     (tmp_path / "target" / "drive").mkdir(parents=True)
     shutil.copy(drive_folder / study.PACKAGE, tmp_path / "target" / "drive")
     command = [sys.executable, ROOT / "examples" / "drivetrain" / "coupled.py"]
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False)
     assert ran.returncode == 0, ran.stderr
-    ratio = coupling.masters["ecos"][0.01][399, 0]
+    ratio = coupling.importers["ecos"][0.01][399, 0]
     assert "t 4 s" in ran.stdout and f"ratio {ratio:.3f}" in ran.stdout
 
 
-@pytest.mark.parametrize("master", THERE)
-def test_master_is_the_loop_with_its_parts_side_by_side(coupling: study.Coupling, master: str) -> None:
+@pytest.mark.parametrize("importer", THERE)
+def test_importer_is_the_loop_with_its_parts_side_by_side(coupling: study.Coupling, importer: str) -> None:
     """A launch at communication steps of 10, 5 and 2.5 ms: the control is designed for 10 ms, and its shift speed is filtered with the same time
-    constant. The only difference between a master and the loop is the order of the parts; all wires of the package are the loop's. The coupling
+    constant. The only difference between an importer and the loop is the order of the parts; all wires of the package are the loop's. The coupling
     is of first order, so the difference of x_h to its limit is 2 (x_h − x_{h/2})."""
-    assert coupling.against_parallel(master) < 1e-9
-    against, estimated = coupling.against_loop(master), 2.0 * coupling.refinement(master)
+    assert coupling.against_parallel(importer) < 1e-9
+    against, estimated = coupling.against_loop(importer), 2.0 * coupling.refinement(importer)
     mean = np.log2(against[0] / against[-1]) / (len(against) - 1)
     # The ratio's largest difference is where gaps close: it falls faster in one run than in another.
     assert (mean > 0.8).all() and mean.mean() == pytest.approx(1.0, abs=0.2), dict(zip(study.SIGNALS, mean, strict=True))
@@ -115,6 +115,6 @@ def test_master_is_the_loop_with_its_parts_side_by_side(coupling: study.Coupling
 def test_report_shows_the_coupling(coupling: study.Coupling, tmp_path: Path) -> None:
     report.write_html(coupling, tmp_path / "coupling.html")
     page, text = reports.stands_alone(tmp_path / "coupling.html"), report.text(coupling)
-    assert all(f"{master} against the loop, order" in text and f"{master} against the loop" in page for master in THERE)
+    assert all(f"{importer} against the loop, order" in text and f"{importer} against the loop" in page for importer in THERE)
     assert reports.figures(page) == 2 * len(study.SIGNALS) + 2
     reports.look_at(tmp_path / "coupling.html")

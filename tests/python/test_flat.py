@@ -1,4 +1,4 @@
-"""A copy of the FMU with flat names: nothing else differs, and masters find the same."""
+"""A copy of the FMU with flat names: nothing else differs, and importers find the same."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Both FMUs in importers: archives, descriptions, the same run to the last bit, events, another master."""
+"""Both FMUs in importers: archives, descriptions, the same run to the last bit, events, another importer."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ import shutil
 from conftest import CHEAP, ROOT
 from fmpy.validation import validate_fmu
 from lxml import etree
-from pushbelt_cosim.masters import load_tbb
+from pushbelt_cosim.importers import load_tbb
 
 from pushbelt.demo import simulate as demo
 from pushbelt.fmu.data import manoeuvre_inputs

@@ -32,7 +32,7 @@ def test_a_host_in_c_finds_no_bad_access(fmu3: Path, tmp_path: Path) -> None:
     """With the address sanitiser, which also counts leaks: event mode, updates, rollback by way of bytes."""
     shutil.unpack_archive(fmu3, tmp_path, "zip")
     (library,) = (tmp_path / "binaries" / fmpy.platform_tuple).iterdir()
-    program, source = tmp_path / "master", ROOT / "examples" / "fmi3" / "master.c"
+    program, source = tmp_path / "importer", ROOT / "examples" / "fmi3" / "importer.c"
     checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-std=c11", "-Wall", "-Wextra", "-Werror"]
     subprocess.run(["gcc", *checks, "-I", Path(fmpy.__file__).parent / "c-code", "-o", program, source, "-ldl", "-lm"], check=True)
     run = subprocess.run([program, library, fmpy.read_model_description(str(fmu3)).guid], capture_output=True, text=True)

@@ -121,7 +121,7 @@ def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: 
         pushbelt.default_fmu()
 
 
-def test_start_values_of_a_copy_hold_in_a_master_that_passes_none_on(fmu: Path, tmp_path: Path) -> None:
+def test_start_values_of_a_copy_hold_in_an_importer_that_passes_none_on(fmu: Path, tmp_path: Path) -> None:
     """`fmpy.simulate_fmu`, libcosim and ecos do not set the start values of the model description."""
     own = {"ring.model": 1, "friction.pulley": 0.085, "initial.ratio": 1.4, "primary.clampingForce": 15e3}
     assert cli.main(["fmu", str(tmp_path / "own.fmu"), "--fmu", str(fmu), *(f"--set={name}={value}" for name, value in own.items())]) == 0

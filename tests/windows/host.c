@@ -189,7 +189,7 @@ static void write_state(component c, const char *path) {
     free(bytes);
 }
 
-/* The first 20 ms, after other calls that a master may make. */
+/* The first 20 ms, after other calls that an importer may make. */
 static void first_run(component c) {
     double number = 55.0, nan = 0.0 / (double)(count == 0 ? 1 : 0), gradient = 100.0;
     int whole = 1, truth = 1, order = 1;

@@ -1,4 +1,4 @@
-"""The drive as a co-simulation of FMUs: variator, vehicle and transmission control, coupled by third-party masters.
+"""The drive as a co-simulation of FMUs: variator, vehicle and transmission control, coupled by third-party importers.
 
     slaves/vehicle_unit, slaves/control_unit (Python in FMUs, by `pythonfmu`) ─┐
     PushbeltVariator.fmu ──────────────────────────────────────────────────────┴→ drive.ssp → ecos, libcosim

@@ -1,4 +1,4 @@
-"""Builds a co-simulation of FMUs, couples them in other masters, and compares."""
+"""Builds a co-simulation of FMUs, couples them in other importers, and compares."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 
 from pushbelt import console, provenance
 
-from . import masters, report, study
+from . import importers, report, study
 
 
 @console.program("drive --cosim", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Builds the package, runs it in the masters, writes the results and prints their paths."""
+    """Builds the package, runs it in the importers, writes the results and prints their paths."""
     parser = argparse.ArgumentParser(prog="cargo fmu drive --cosim", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the variator's FMU")
     parser.add_argument("--output", type=Path, required=True, help="folder for drive.ssp, its FMUs and coupling.html")
@@ -32,4 +32,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    masters.leave(main())
+    importers.leave(main())

@@ -54,7 +54,7 @@ def _modules(scratch: Path) -> list[Path]:
 
 
 def _check(fmu: Path) -> None:
-    """Checks that the binary loads. It uses the Python of the process that loads it; without one a master would crash later."""
+    """Checks that the binary loads. It uses the Python of the process that loads it; without one an importer would crash later."""
     pattern = "win64/*.dll" if sys.platform == "win32" else "linux64/*.so"
     # The library stays loaded, so Windows cannot delete its file.
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch, zipfile.ZipFile(fmu) as archive:

@@ -21,17 +21,17 @@ def text(result: Coupling) -> str:
     """The tables of the study."""
     steps = [f"{1e3 * step:g} ms" for step in result.plan.steps]
     lines = [f"{'root mean square, shares of the range':>44}  " + "  ".join(f"{name:>21}" for name in SIGNALS)]
-    for master in result.masters:
-        refinement, against = result.refinement(master), result.against_loop(master)
+    for importer in result.importers:
+        refinement, against = result.refinement(importer), result.against_loop(importer)
         rows = [
-            *zip([f"{master}, {a} against {b}" for a, b in pairwise(steps)], refinement, strict=True),
-            (f"{master}, order", orders(refinement)[-1]),
-            *zip([f"{master} against the loop, both {step}" for step in steps], against, strict=True),
-            (f"{master} against the loop, order", orders(against)[-1]),
+            *zip([f"{importer}, {a} against {b}" for a, b in pairwise(steps)], refinement, strict=True),
+            (f"{importer}, order", orders(refinement)[-1]),
+            *zip([f"{importer} against the loop, both {step}" for step in steps], against, strict=True),
+            (f"{importer} against the loop, order", orders(against)[-1]),
         ]
         lines += [f"{name:>44}  " + "  ".join(f"{value:21.3g}" for value in values) for name, values in rows]
-        largest = result.against_parallel(master)
-        lines.append(f"{master + ' against the parallel loop':>44}  {largest:.3g} at most")
+        largest = result.against_parallel(importer)
+        lines.append(f"{importer + ' against the parallel loop':>44}  {largest:.3g} at most")
     return "\n".join(lines)
 
 
@@ -49,16 +49,16 @@ def write_html(result: Coupling, path: Path) -> None:
 
 
 def _traces(result: Coupling) -> Chart:
-    """Signals of a master and of the loop at the largest step, and their differences."""
-    step, master = result.plan.steps[0], next(iter(result.masters))
-    coupled, loop = result.masters[master][step], result.loop[step]
+    """Signals of an importer and of the loop at the largest step, and their differences."""
+    step, importer = result.plan.steps[0], next(iter(result.importers))
+    coupled, loop = result.importers[importer][step], result.loop[step]
     time = result.plan.section[0] + step * np.arange(1, len(loop) + 1)
     above = [
         Panel(
             name,
             [
                 Series("loop", time, loop[:, k], ORANGE, dash="dash"),
-                Series(master, time, coupled[:, k], BLUE, width=1.0),
+                Series(importer, time, coupled[:, k], BLUE, width=1.0),
             ],
         )
         for k, name in enumerate(SIGNALS)
@@ -67,7 +67,7 @@ def _traces(result: Coupling) -> Chart:
         Panel(f"{name}, difference", [Series("difference", time, coupled[:, k] - loop[:, k], BLUE)], "time (s)")
         for k, name in enumerate(SIGNALS)
     ]
-    label = "Signals of master and loop, and their difference"
+    label = "Signals of importer and loop, and their difference"
     return Chart([*above, *below], label, columns=len(SIGNALS), linked=True, least_width=230)
 
 
@@ -75,16 +75,16 @@ def _errors(result: Coupling) -> Chart:
     """Differences over the communication step, with a reference line of slope 1."""
     steps = 1e3 * np.array(result.plan.steps)
     found = (
-        ("Master, against half its step", steps[:-1], result.refinement),
-        ("Master against the loop, same step", steps, result.against_loop),
+        ("Importer, against half its step", steps[:-1], result.refinement),
+        ("Importer against the loop, same step", steps, result.against_loop),
     )
     panels = []
     for title, where, errors_of in found:
         series = [Series("order 1", steps, 1e-3 * steps, INK, dash="dot", width=1.0)]
-        for master, marker in zip(result.masters, ("circle", "x-thin-open"), strict=False):
-            errors = errors_of(master)
+        for importer, marker in zip(result.importers, ("circle", "x-thin-open"), strict=False):
+            errors = errors_of(importer)
             series += [
-                Series(f"{name}, {master}", where, errors[:, k], COLOURS[k], marker=marker)
+                Series(f"{name}, {importer}", where, errors[:, k], COLOURS[k], marker=marker)
                 for k, name in enumerate(SIGNALS)
             ]
         ticks = tuple((float(step), f"{step:g}") for step in steps)

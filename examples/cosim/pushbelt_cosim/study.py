@@ -1,4 +1,4 @@
-"""Influence of the communication step: masters compared with the loop through fmpy, for successively halved steps."""
+"""Influence of the communication step: importers compared with the loop through fmpy, for successively halved steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pushbelt.maps.data import Maps
 from pushbelt.report.side_by_side import progress_bar, tick, worker_pool
 
 from . import fmus, package
-from .masters import MASTERS, Progress
+from .importers import IMPORTERS, Progress
 
 SIGNALS = ("ratio.geometric", "primary.speed", "secondary.speed", "secondary.axialForce")
 """FMU variables that are compared."""
@@ -53,28 +53,28 @@ class Coupling:
     """Results by communication step: `SIGNALS` after each step, shape (steps, signals)."""
 
     plan: Plan
-    masters: Mapping[str, Mapping[float, Array]]
-    """Results by master."""
+    importers: Mapping[str, Mapping[float, Array]]
+    """Results by importer."""
     loop: Mapping[float, Array]
     """Results of the loop in which vehicle, control and variator step in sequence (Gauss-Seidel scheme)."""
     parallel: Mapping[float, Array]
-    """Results of the loop in which they step in parallel (Jacobi scheme), as in a master."""
+    """Results of the loop in which they step in parallel (Jacobi scheme), as in an importer."""
     refusals: tuple[str, ...] = ()
-    """Errors of masters that could not run the package."""
+    """Errors of importers that could not run the package."""
 
-    def refinement(self, master: str) -> Array:
+    def refinement(self, importer: str) -> Array:
         """Root mean square of x_h − x_{h/2} as a share of the signal's range, shape (steps − 1, signals)."""
-        found, steps = self.masters[master], self.plan.steps
+        found, steps = self.importers[importer], self.plan.steps
         return np.array([self._difference(found[h], found[half], h, half) for h, half in pairwise(steps)])
 
-    def against_loop(self, master: str) -> Array:
-        """Root mean square of the difference of master and loop at the same step, as a share of the range, shape (steps, signals)."""
-        found = self.masters[master]
+    def against_loop(self, importer: str) -> Array:
+        """Root mean square of the difference of importer and loop at the same step, as a share of the range, shape (steps, signals)."""
+        found = self.importers[importer]
         return np.array([self._difference(found[h], self.loop[h], h, h) for h in self.plan.steps])
 
-    def against_parallel(self, master: str) -> float:
-        """Largest difference between a master and the loop that steps in parallel, as a share of a signal's range."""
-        found = self.masters[master]
+    def against_parallel(self, importer: str) -> float:
+        """Largest difference between an importer and the loop that steps in parallel, as a share of a signal's range."""
+        found = self.importers[importer]
         return max(
             float((np.abs(found[h] - self.parallel[h]) / np.ptp(self.parallel[h], axis=0)).max())
             for h in self.plan.steps
@@ -119,19 +119,19 @@ def build(fmu: Path, maps: Maps, plan: Plan, folder: Path) -> Path:
     return path
 
 
-def run(fmu: Path, plan: Plan, folder: Path, masters: Sequence[str] = tuple(MASTERS)) -> Coupling:
-    """Builds the package in a folder and runs it in the installed masters and in the loop.
+def run(fmu: Path, plan: Plan, folder: Path, importers: Sequence[str] = tuple(IMPORTERS)) -> Coupling:
+    """Builds the package in a folder and runs it in the installed importers and in the loop.
 
     Raises UnitError if none of them can run it.
     """
     parameters = simulate.unit_parameters(demo_car(), "ALE", MESH)
-    total = (2 + len(masters)) * len(plan.steps) * plan.duration
+    total = (2 + len(importers)) * len(plan.steps) * plan.duration
     with Archive.unpack(fmu) as archive:
         maps = measure(fmu, parameters, folder)
         table = ThrustMap.of_maps(maps)
         ssp = build(fmu, maps, plan, folder)
         with progress_bar(round(total), "coupling") as bar:
-            found, refusals = _run_masters(masters, ssp, plan, bar.update)
+            found, refusals = _run_importers(importers, ssp, plan, bar.update)
             loops = [
                 {h: _loop(archive, table, plan, h, parallel, bar.update) for h in plan.steps}
                 for parallel in (False, True)
@@ -139,12 +139,12 @@ def run(fmu: Path, plan: Plan, folder: Path, masters: Sequence[str] = tuple(MAST
     return Coupling(plan, found, *loops, tuple(refusals))
 
 
-def _run_masters(
-    masters: Sequence[str], ssp: Path, plan: Plan, progress: Progress
+def _run_importers(
+    importers: Sequence[str], ssp: Path, plan: Plan, progress: Progress
 ) -> tuple[dict[str, dict[float, Array]], list[str]]:
-    """Results of the masters that can run the package, and the errors of the others."""
+    """Results of the importers that can run the package, and the errors of the others."""
     found, refusals = {}, []
-    for name in masters:
+    for name in importers:
         try:
             found[name] = _in_process(name, ssp, plan, progress)
         except UnitError as error:
@@ -164,7 +164,7 @@ def _loop(
 
 
 def _in_process(name: str, ssp: Path, plan: Plan, progress: Progress) -> dict[float, Array]:
-    """Runs a master in a separate process, so that a crash of its library does not end this process."""
+    """Runs an importer in a separate process, so that a crash of its library does not end this process."""
     try:
         with worker_pool(1) as run:
             (found,) = run([(_work, (name, ssp, plan))], progress)
@@ -177,7 +177,7 @@ def _work(name: str, ssp: Path, plan: Plan) -> dict[float, Array]:
     # The loop records the start of each step, so the end of the last step is missing.
     counts = {h: round(plan.duration / h) - 1 for h in plan.steps}
     try:
-        return {h: MASTERS[name](ssp, h, count, SIGNALS, tick) for h, count in counts.items()}
+        return {h: IMPORTERS[name](ssp, h, count, SIGNALS, tick) for h, count in counts.items()}
     except UnitError:
         raise
     except Exception as error:

@@ -24,7 +24,7 @@ class Unit(Fmi2Slave):
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Advances by a communication step."""
-        # libcosim computes its steps as differences of times. Rounding makes them equal in all masters.
+        # libcosim computes its steps as differences of times. Rounding makes them equal in all importers.
         self.advance(current_time, round(step_size, 9))
         return True
 

@@ -63,7 +63,7 @@ class Setup:
     clamping: float = 1.0  # Factor on the secondary clamping force that the strategy demands
     step: float = STEP  # Communication and control step, s
     parallel: bool = False
-    """Whether vehicle, control and FMU step in parallel (Jacobi scheme), as units in a master do: each uses the signals of the
+    """Whether vehicle, control and FMU step in parallel (Jacobi scheme), as units in an importer do: each uses the signals of the
     previous step and holds them. Otherwise they step in sequence (Gauss-Seidel scheme), each with the latest signals, and torques
     and forces vary linearly to their new values at the end of the step."""
 

@@ -204,7 +204,7 @@ class Vehicle:
     def advance(self, time: float, primary_speed: float, secondary_speed: float, ratio: float, step: float) -> dict[str, float]:
         """`SIGNALS` over a step, s, from a time, s, with the shaft speeds, rad/s, and the ratio at that time."""
         car, powertrain = self.car, self.powertrain
-        # Masters sum their steps. Without rounding, the trace would be read slightly before or after its break points.
+        # Importers sum their steps. Without rounding, the trace would be read slightly before or after its break points.
         time = round(time, 9)
         speed = car.lever * secondary_speed
         force, power = self.driver.demand(time, speed, step)

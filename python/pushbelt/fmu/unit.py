@@ -93,7 +93,7 @@ class Instance(AbstractContextManager["Instance"]):
     """Logs of the existing instances, by the environment that their messages contain."""
 
     def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
-        self._slave = _slave(archive, name)
+        self._instance = _instance(archive, name)
         self.variables = archive.variables
         self.log: list[Message] = []
         self.time = 0.0
@@ -106,7 +106,7 @@ class Instance(AbstractContextManager["Instance"]):
         self._logs[id(self.log)] = self.log
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
         logging.addLoggerProxy(ctypes.byref(self._callbacks))
-        self._call(self._slave.instantiate, callbacks=self._callbacks)
+        self._call(self._instance.instantiate, callbacks=self._callbacks)
         try:
             self._set_up(start_values)
         except UnitError:
@@ -118,7 +118,7 @@ class Instance(AbstractContextManager["Instance"]):
 
     def free(self) -> None:
         """Frees the instance. It cannot be used afterwards."""
-        self._slave.freeInstance()
+        self._instance.freeInstance()
         self._freed = True
         self._logs.pop(id(self.log), None)
 
@@ -126,18 +126,18 @@ class Instance(AbstractContextManager["Instance"]):
 
     def restart(self, start_values: Mapping[str, float]) -> None:
         """Resets to the state of a new instance."""
-        self._call(self._slave.reset)
+        self._call(self._instance.reset)
         self.log.clear()
         self.time = 0.0
         self._set_up(start_values)
 
     def _set_up(self, start_values: Mapping[str, float]) -> None:
-        self._call(self._slave.setupExperiment, startTime=0.0)
+        self._call(self._instance.setupExperiment, startTime=0.0)
         self.set(start_values)
 
     def initialise(self) -> None:
-        self._call(self._slave.enterInitializationMode)
-        self._call(self._slave.exitInitializationMode)
+        self._call(self._instance.enterInitializationMode)
+        self._call(self._instance.exitInitializationMode)
 
     @property
     def warnings(self) -> list[str]:
@@ -152,25 +152,25 @@ class Instance(AbstractContextManager["Instance"]):
 
     def step_to(self, time: float) -> None:
         """Advances to a time, s."""
-        self._call(self._slave.doStep, currentCommunicationPoint=self.time, communicationStepSize=time - self.time)
+        self._call(self._instance.doStep, currentCommunicationPoint=self.time, communicationStepSize=time - self.time)
         self.time = time
 
     # Stored states
 
     def state(self) -> bytes:
-        pointer = self._call(self._slave.getFMUState)
+        pointer = self._call(self._instance.getFMUState)
         try:
-            return self._call(self._slave.serializeFMUstate, pointer)
+            return self._call(self._instance.serializeFMUstate, pointer)
         finally:
-            self._call(self._slave.freeFMUState, pointer)
+            self._call(self._instance.freeFMUState, pointer)
 
     def restore(self, state: bytes, time: float) -> None:
         """Returns to a state that this or another instance of the FMU had at a time, s."""
-        pointer = self._call(self._slave.deSerializeFMUstate, state)
+        pointer = self._call(self._instance.deSerializeFMUstate, state)
         try:
-            self._call(self._slave.setFMUState, pointer)
+            self._call(self._instance.setFMUState, pointer)
         finally:
-            self._call(self._slave.freeFMUState, pointer)
+            self._call(self._instance.freeFMUState, pointer)
         self.time = time
 
     # Variables
@@ -178,11 +178,11 @@ class Instance(AbstractContextManager["Instance"]):
     def set(self, values: Mapping[str, float]) -> None:
         for name, value in values.items():
             variable = self.variables[name]
-            self._call(getattr(self._slave, f"set{CALLED[variable.type]}"), [variable.valueReference], [value])
+            self._call(getattr(self._instance, f"set{CALLED[variable.type]}"), [variable.valueReference], [value])
 
     def get(self, name: str) -> float:
         variable = self.variables[name]
-        (value,) = self._call(getattr(self._slave, f"get{CALLED[variable.type]}"), [variable.valueReference])
+        (value,) = self._call(getattr(self._instance, f"get{CALLED[variable.type]}"), [variable.valueReference])
         return bool(value) if variable.type == "Boolean" else value
 
     def reals(self, names: Iterable[str]) -> Reals:
@@ -191,15 +191,15 @@ class Instance(AbstractContextManager["Instance"]):
         return Reals(names, (self.variables[name].valueReference for name in names))
 
     def get_reals(self, reals: Reals) -> Array:
-        self._call(self._slave.fmi2GetReal, self._slave.component, reals.references, len(reals.names), reals.values)
+        self._call(self._instance.fmi2GetReal, self._instance.component, reals.references, len(reals.names), reals.values)
         return np.array(reals.values)
 
     def set_ramps(self, inputs: Reals, values: Iterable[float], rates: Iterable[float]) -> None:
         """Sets real inputs that vary linearly in time over the next step: present values, and rates per second."""
-        slave, count = self._slave, len(inputs.names)
+        instance, count = self._instance, len(inputs.names)
         array, orders = ctypes.c_double * count, (ctypes.c_int32 * count)(*[1] * count)
-        self._call(slave.fmi2SetReal, slave.component, inputs.references, count, array(*values))
-        self._call(slave.fmi2SetRealInputDerivatives, slave.component, inputs.references, count, orders, array(*rates))
+        self._call(instance.fmi2SetReal, instance.component, inputs.references, count, array(*values))
+        self._call(instance.fmi2SetRealInputDerivatives, instance.component, inputs.references, count, orders, array(*rates))
 
     def outputs(self) -> dict[str, float]:
         reals = self.reals(output_names(self.variables.values()))
@@ -216,7 +216,7 @@ class Instance(AbstractContextManager["Instance"]):
     def linearise(self, frequency: float) -> dict[str, Any]:
         """The linear model about the present state, as returned by `pushbeltLinearize`. Modes below a frequency (Hz)
         are states. Raises UnitError if there is none. `warnings` contains its warnings."""
-        if not hasattr(library := self._slave.dll, "pushbeltLinearize"):
+        if not hasattr(library := self._instance.dll, "pushbeltLinearize"):
             raise UnitError("this version of the FMU does not support linear models: it has no function pushbeltLinearize")
         function, free = library.pushbeltLinearize, library.pushbeltFreeText
         function.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_void_p)]
@@ -224,7 +224,7 @@ class Instance(AbstractContextManager["Instance"]):
         text = ctypes.c_void_p()
 
         def call() -> None:
-            if function(self._slave.component, frequency, ctypes.byref(text)) > fmi2.fmi2Warning:
+            if function(self._instance.component, frequency, ctypes.byref(text)) > fmi2.fmi2Warning:
                 raise UnitError("the FMU returned no linear model, and its log has no reason")
 
         try:
@@ -266,7 +266,7 @@ _LOADING = _Lock()
 """fmpy changes the folder of the process while it loads a library, and does not return from it after an error."""
 
 
-def _slave(archive: Archive, name: str) -> fmi2.FMU2Slave:
+def _instance(archive: Archive, name: str) -> fmi2.FMU2Slave:
     """The library of an FMU. Raises UnitError if it cannot be loaded."""
     description = archive.description
     refuse_others(description.modelName, description)

@@ -1,4 +1,4 @@
-//! A communication step in own steps: a master can read outputs at the end of each, change inputs
+//! A communication step in own steps: an importer can read outputs at the end of each, change inputs
 //! there or end the communication step. Left alone, it is [`Variator::advance_along`] to the last
 //! bit.
 

@@ -87,7 +87,7 @@ pub enum StepError {
     },
 }
 
-/// What a master may want to handle when it happens.
+/// What an importer may want to handle when it happens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The belt begins to slip through.

@@ -1,4 +1,4 @@
-"""Masters that load the package: ecos and libcosim. All units step in parallel (Jacobi scheme); then outputs are copied to inputs."""
+"""Importers that load the package: ecos and libcosim. All units step in parallel (Jacobi scheme); then outputs are copied to inputs."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from pushbelt.fmu.unit import UnitError
 from .package import PARAMETER_SET
 
 Progress = Callable[[float], None]
-Master = Callable[[Path, float, int, Sequence[str], Progress], Array]
+Importer = Callable[[Path, float, int, Sequence[str], Progress], Array]
 """Arguments: package, communication step in s, number of steps, variables of the variator, and a function that is called with the
-simulated time of each step. Returns the variables after each step, one row per step. Raises UnitError if the master is not
+simulated time of each step. Returns the variables after each step, one row per step. Raises UnitError if the importer is not
 installed or reports an error."""
 
 
@@ -78,7 +78,7 @@ def load_tbb() -> None:
         ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
 
 
-MASTERS: dict[str, Master] = {"ecos": with_ecos, "libcosim": with_libcosim}
+IMPORTERS: dict[str, Importer] = {"ecos": with_ecos, "libcosim": with_libcosim}
 
 
 def _find(package: str) -> None:

@@ -1,7 +1,7 @@
-/* A master for FMI 3.0 in C: event mode, early return, intermediate updates, rollback.
+/* An importer for FMI 3.0 in C: event mode, early return, intermediate updates, rollback.
  *
- *     cc -std=c11 -I HEADERS -o master master.c -ldl -lm
- *     ./master binaries/x86_64-linux/PushbeltVariator.so TOKEN
+ *     cc -std=c11 -I HEADERS -o importer importer.c -ldl -lm
+ *     ./importer binaries/x86_64-linux/PushbeltVariator.so TOKEN
  *
  * HEADERS is a folder with the standard's fmi3Functions.h and what it includes (fmpy has them in fmpy/c-code); TOKEN is the
  * instantiationToken of modelDescription.xml. The program runs a coarse belt into an over-torque, answers the event, goes back and
@@ -110,7 +110,7 @@ static double to_event(Run *run, double time, fmi3Boolean *event) {
 
 int main(int argc, char **argv) {
     if (argc != 3) {
-        fprintf(stderr, "usage: master LIBRARY TOKEN\n");
+        fprintf(stderr, "usage: importer LIBRARY TOKEN\n");
         return 2;
     }
     library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
