@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -301,6 +302,16 @@ def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, c
     for file in (fmu, tmp_path / "rig.csv", out / "parameters.json"):
         assert hashlib.sha256(file.read_bytes()).hexdigest() in report
     reports.look_at(out / "report.html")
+
+
+def test_torques_in_pound_feet_are_named(calibrated, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Under [Nm] they are fitted by a friction of another size, but not as well as in their own unit."""
+    rows = [[i, SPEED, t / 1.3558179483314, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
+    assert calibrated(rows) == __main__.MISFIT
+    option = re.search(r'torques in lb\.ft leave .* --map "(.*)"', capsys.readouterr().out)
+    assert option is not None
+    assert calibrated(rows, "--map", option[1]) == 0
+    fits(tmp_path / "out")
 
 
 def test_pressures_are_forces_of_the_set_and_a_hold_out_has_the_variator_beside_it(fmu: Path, solved: Solved, tmp_path: Path) -> None:
