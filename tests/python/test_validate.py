@@ -153,9 +153,9 @@ def test_the_book_shows_the_pinned_run(pinned: dict[str, Any]) -> None:
 
 
 def test_numbers_of_goals_are_renewed() -> None:
-    found = {"verification": {"met": 7, "goals": 8}, "measurements": {"met": 3, "goals": 5}}
-    text = "Verification: 1 of 2 goals met, measurements: 10 of 20 goals met**, 10 missed, and 4 missed"
-    assert results.renewed(text, found) == "Verification: 7 of 8 goals met, measurements: 3 of 5 goals met**, 2 missed, and 4 missed"
+    found = {"verification": {"met": 7, "goals": 8}, "measurements": {"met": 3, "goals": 5}, "score": 2.345}
+    text = "Verification: 1 of 2 goals met, measurements: 10 of 20 goals met**, 10 missed, and 4 missed; misses sum to 9.9 tolerances"
+    assert results.renewed(text, found) == "Verification: 7 of 8 goals met, measurements: 3 of 5 goals met**, 2 missed, and 4 missed; misses sum to 2.3 tolerances"
     (quantity, state), _ = next(iter(results.QUOTED.items()))
     found["steps"] = {"rows": [[quantity, state, "1.226", "9.999", "1.542"]]}
     assert results.renewed("the theory's thrust\nratio is 3.00 and the belt's 4.00.", found) == "the theory's thrust\nratio is 1.23 and the belt's 1.54."

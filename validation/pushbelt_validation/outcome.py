@@ -66,6 +66,11 @@ class Check:
     used: float | None = None
     """Distance of the worst value from the goal, over the tolerance: above 1 the goal is missed. None without a tolerance."""
 
+    @property
+    def miss(self) -> float:
+        """Distance of the worst value beyond the goal, in tolerances; at least 1 for a point without a steady state; 0 if the goal is met."""
+        return 0.0 if self.verdict is not Verdict.MISSED else self.used - 1.0 if self.used is not None and self.used > 1.0 else 1.0
+
 
 def signed(value: float) -> str:
     """A number with its sign, for names."""
@@ -112,9 +117,11 @@ def within(
     high: float | None,
     unit: Unit = PLAIN,
     goal: str | None = None,
+    tolerance: float | None = None,
 ) -> Check:
     """Check that all named values are within the limits, if there are any. Values outside are listed, worst first. The
-    value None is from a point without a steady state and misses the goal."""
+    value None is from a point without a steady state and misses the goal. `tolerance` measures misses: by default half the width between
+    the limits, or the size of a single one."""
     pairs = list(values)
     solved = [(name, value) for name, value in pairs if value is not None and not math.isnan(value)]
     missing = [name for name, value in pairs if value is None or math.isnan(value)]
@@ -131,8 +138,7 @@ def within(
     if missing:
         by.append(f"{len(missing)} of {len(pairs)} without a steady state: {'; '.join(missing[:FEW])}")
     verdict = Verdict.MET if solved and not by else Verdict.MISSED
-    # Half the width between the limits, or the size of a single one.
-    tolerance = 0.5 * (high - low) if low is not None and high is not None else abs(low or high or 0.0)
+    tolerance = tolerance or (0.5 * (high - low) if low is not None and high is not None else abs(low or high or 0.0))
     used = max((max(1.0 + beyond(value) / tolerance, 0.0) for _, value in solved), default=None) if tolerance else None
     return Check(key, statement, source, goal or _limits(low, high, unit), found, verdict, ". ".join(by), used)
 

@@ -24,6 +24,7 @@ def document(results: Results) -> dict[str, Any]:
     return {
         "version": results.version,
         **{part.value: counts(results.sections, part) for part in (Part.VERIFICATION, Part.MEASUREMENTS)},
+        "score": round(sum(check.miss for section in results.sections if section.part is Part.MEASUREMENTS for check in section.checks), 2),
         "checks": [_check(section, check) for section in results.sections for check in section.checks],
         "steps": None if steps is None else {
             "told": steps.lead,
@@ -43,7 +44,8 @@ def counts(sections: Iterable[Section], part: Part) -> dict[str, int]:
 
 def sentence(found: Mapping[str, Any]) -> str:
     """The verdicts in numbers."""
-    return ", ".join(f"{part}: {found[part]['met']} of {found[part]['goals']} goals met" for part in ("verification", "measurements"))
+    told = ", ".join(f"{part}: {found[part]['met']} of {found[part]['goals']} goals met" for part in ("verification", "measurements"))
+    return f"{told}, misses sum to {found['score']:.1f} tolerances"
 
 
 def _check(section: Section, check: Check) -> dict[str, Any]:
@@ -53,7 +55,7 @@ def _check(section: Section, check: Check) -> dict[str, Any]:
     }  # fmt: skip
     if check.verdict is Verdict.MISSED:
         reason, decides = cause(check.key)
-        found |= {"by": check.by, "cause": reason, "decides": decides}
+        found |= {"by": check.by, "miss": round(check.miss, 2), "cause": reason, "decides": decides}
     return found
 
 
@@ -97,6 +99,7 @@ def renewed(text: str, found: Mapping[str, Any]) -> str:
     for part in ("verification", "measurements"):
         met, goals = found[part]["met"], found[part]["goals"]
         text = re.sub(rf"(?i)({part}: )\d+ of \d+( goals met)", rf"\g<1>{met} of {goals}\g<2>", text)
+        text = re.sub(r"(misses sum to )[\d.]+( tolerances)", rf"\g<1>{found['score']:.1f}\g<2>", text)
         text = re.sub(rf"(?i)({part}: {met} of {goals} goals met\W*)\d+ missed", rf"\g<1>{goals - met} missed", text)
     return text
 
@@ -120,8 +123,8 @@ def page(found: Mapping[str, Any]) -> str:
         rows(("theory in its limit", "goal", "found", "verdict"), [[c["statement"], c["goal"], c["found"], c["verdict"]] for c in of["verification"]]),
         "## Measurements: missed goals\n",
         rows(
-            ("goal", "allowed", "found", "cause, as far as known", "what decides it on a rig"),
-            [[c["statement"], c["goal"], f"{c['found']}; {c['by']}", c["cause"], c["decides"]] for c in missed],
+            ("goal", "allowed", "found", "worst miss, tolerances", "cause, as far as known", "what decides it on a rig"),
+            [[c["statement"], c["goal"], f"{c['found']}; {c['by']}", f"{c['miss']:.2f}", c["cause"], c["decides"]] for c in missed],
         ),
         "## Measurements: met goals and reported values\n",
         rows(

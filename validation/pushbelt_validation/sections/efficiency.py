@@ -33,6 +33,8 @@ BOUND_FORCES = (10.5e3, 34.6e3)
 BOUND_RATIOS = (2.36, 1.0, 0.44)
 BOUND_TORQUES = (20.0, 40.0, 60.0)
 MAP = source("transmissionMap")
+POINT = 0.01
+"""Tolerance of an efficiency with one limit, by which misses are counted: a point."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,7 @@ def _map_checks(beside: Sequence[Beside]) -> list[Check]:
     margins = [[(b.name, b.efficiencies[k] - b.measured.efficiency) for b in beside] for k in range(len(SAFETIES))]
     statement = "The efficiency of the variator is above the transmission's at each measured point, safety {:g}"
     return [
-        within(key, statement.format(safety), MAP, found, 0.0, None, POINTS, "above the measured one")
+        within(key, statement.format(safety), MAP, found, 0.0, None, POINTS, "above the measured one", POINT)
         for key, safety, found in zip(("efficiency-map", "efficiency-map-clamped"), SAFETIES, margins, strict=True)
     ]
 
@@ -118,11 +120,11 @@ def _trend_checks(beside: Sequence[Beside]) -> list[Check]:
     return [
         within(
             "efficiency-torque", "Efficiency rises with torque as measured, in each ratio, safety 1.3", MAP, rises, 0.0, None, POINTS,
-            f"rises; measured by {POINTS.text(*(s[0] for s in theirs))} per doubling",
+            f"rises; measured by {POINTS.text(*(s[0] for s in theirs))} per doubling", POINT,
         ),
         within(
             "efficiency-speed", "Efficiency falls with speed as measured, in each ratio", MAP, falls, 0.0, None, POINTS,
-            f"falls; measured by {POINTS.text(*(-s[1] for s in theirs))} per doubling",
+            f"falls; measured by {POINTS.text(*(-s[1] for s in theirs))} per doubling", POINT,
         ),
     ]  # fmt: skip
 
@@ -163,7 +165,7 @@ def _drag(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
     steps = [(f"to {b[0]:g} rpm", b[1] - a[1] if a[1] and b[1] else None) for a, b in zip(rows, rows[1:], strict=False)]
     checks = [
         within("drag", "Torque that turns it without load, ratio 1, 10 kN, 500 to 5000 rpm", ESTIMATE, torques, *DRAG, NEWTON_METRES),
-        within("drag-rises", "The torque without load grows with speed, by oil and bearings", ESTIMATE, steps, 0.0, None, NEWTON_METRES, "grows"),
+        within("drag-rises", "The torque without load grows with speed, by oil and bearings", ESTIMATE, steps, 0.0, None, NEWTON_METRES, "grows", 0.1),
     ]
     columns = [Column("Speed", "rpm", 0), Column("Torque on P", "N·m", 2), *(Column(name.removeprefix("loss."), "N·m", 2) for name in LOSSES)]
     return table("drag", "Drag without load, ratio 1, 10 kN", columns, rows), checks
@@ -186,8 +188,8 @@ def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, 
     ]
     peak = max([value for row in rows for value in row[2:]] + [value for b in beside for value in b.efficiencies])
     checks = [
-        within("efficiency-overdrive", "Efficiency is lower in overdrive than at ratios 1 and 2.36", source(0), lower, None, 0.0, POINTS, "lower"),
-        within("efficiency-load", "Efficiency is lower at low load", source(0), rising, 0.0, None, POINTS, "rises from 20 to 40 and 60 N·m"),
+        within("efficiency-overdrive", "Efficiency is lower in overdrive than at ratios 1 and 2.36", source(0), lower, None, 0.0, POINTS, "lower", POINT),
+        within("efficiency-load", "Efficiency is lower at low load", source(0), rising, 0.0, None, POINTS, "rises from 20 to 40 and 60 N·m", POINT),
         within("efficiency-peak", "A peak above 97 % is possible with a small pump", source(1), [("all points", peak)], 0.97, None, PERCENT),
     ]
     columns = (Column("F_S", "kN", 1, 1e-3), Column("Torque", "N·m", 0), *(share(f"ratio {ratio:g}", signed=False) for ratio in BOUND_RATIOS))

@@ -62,7 +62,7 @@ def _arcs(bench: Bench) -> tuple[Table, list[Check]]:
         ),
         within(
             "idle-arc-shrinks", "The idle arc of the primary pulley shrinks towards the entry as the torque grows",
-            where, steps, None, 0.0, OF_WRAP, "does not grow",
+            where, steps, None, 0.0, OF_WRAP, "does not grow", tolerance=0.1,
         ),
     ]  # fmt: skip
     columns = (
