@@ -14,6 +14,7 @@ from conftest import ROOT, module_of
 
 import pushbelt
 from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.unit import Archive
 
 DRIVETRAIN = ROOT / "examples" / "drivetrain"
 CAR = module_of(DRIVETRAIN / "car.py")
@@ -139,6 +140,21 @@ def test_only_points_without_a_linear_model_are_left_out(monkeypatch: pytest.Mon
         assert belt.read()[0] == pytest.approx(expected, rel=2e-3)
         with pytest.raises(pushbelt.ArgumentError):
             stability.linear_model(variator, -1.0, 40.0, 200.0)
+
+
+def test_a_shaft_between_units_needs_a_damper_and_derivatives_have_order_two(archive: Archive) -> None:
+    """A delayed spring is a negative damper; the delay is longer with the ramp."""
+    damping = module_of(DRIVETRAIN / "damping.py")
+    ramp, jump, _, derivatives = damping.WAYS
+    ends = {
+        (way, factor): damping.amplitude(damping.run(archive, way, factor * damping.STIFFNESS * damping.STEP, damping.STEP, kick=damping.KICK)[-50:])
+        for way in (ramp, jump) for factor in (0.0, 0.6, 1.0)
+    }  # fmt: skip
+    assert ends[ramp, 0.0] > 2.0 * ends[jump, 0.0] > 20.0 and ends[ramp, 0.6] > 1.0 > 0.5 > ends[jump, 0.6]
+    assert max(ends[ramp, 1.0], ends[jump, 1.0]) < 0.1
+    errors = {way: np.array([damping.run(archive, way, damping.STABLE, h * damping.STEP, ripple=damping.RIPPLE) for h in (1.0, 0.5, 0.25)]) for way in (jump, derivatives)}
+    orders = {way: np.log2(np.abs(of[0] - of[1]).max() / np.abs(of[1] - of[2]).max()) for way, of in errors.items()}
+    assert abs(orders[jump] - 1.0) < 0.3 and abs(orders[derivatives] - 2.0) < 0.4
 
 
 def printed(name: str, outside: Path, fmu: Path, capsys: pytest.CaptureFixture[str]) -> list[str]:
