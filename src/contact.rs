@@ -20,9 +20,9 @@
 //! ⟨g⟩₊ = ρ ln(1 + e^{g/ρ}) with the roughness ρ: asperities touch first, and the force decays
 //! exponentially with the clearance (Greenwood and Williamson 1966).
 //!
-//! An element at the distance δ from the middle of its pulley, towards the movable sheave, has the
-//! penetration g + δ on that sheave and g − δ on the other. Its axial velocity δ̇ enters
-//! penetration rate and sliding in the same way.
+//! An element that is δ out of the middle of its pulley, towards the movable sheave, has the
+//! penetration g + δ on that sheave and g − δ on the other; δ̇ enters penetration rate and sliding
+//! in the same way.
 //!
 //! The normal force acts along the gradient of g, derivatives of w included. Its power is −2 p cos
 //! β Dg/Dt, and its energy 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an
@@ -37,7 +37,7 @@ pub struct Contact {
     pub stiffness: f64,
     /// Damping time of the penetration, s.
     pub damping: f64,
-    /// Roughness of flank and sheave ρ: the distance over which they come into contact, m.
+    /// Roughness ρ of flank and sheave, m.
     pub roughness: f64,
 }
 
@@ -50,8 +50,8 @@ pub struct Friction {
     pub ring: f64,
     /// Regularisation speed v_0, m/s. Micro-slip is 2 to 40 mm/s, so at most 1 mm/s.
     pub velocity: f64,
-    /// Regularisation speed of the ring's friction on the elements, m/s. In both end ratios the
-    /// ring slides at some 0.1 m/s.
+    /// Regularisation speed of the ring's friction, m/s. In both end ratios the ring slides at some
+    /// 0.1 m/s.
     pub ring_velocity: f64,
     /// Relative decrease f of μ in fast sliding; 0 is Coulomb's law.
     pub fall: f64,
@@ -84,8 +84,8 @@ impl<T: Real> FlankMotion<T> {
         }
     }
 
-    /// The motion of a flank whose element is at the distance `offset`, m, from the middle towards
-    /// it, and moves towards it at `speed`, m/s. For the other flank both have the opposite sign.
+    /// Motion of a flank whose element is `offset`, m, out of the middle towards it, and moves
+    /// towards it at `speed`, m/s. For the other flank both have the opposite sign.
     #[inline(always)]
     #[must_use]
     pub fn shifted(&self, offset: T, speed: T, sin_beta: f64) -> Self {
@@ -113,7 +113,7 @@ pub struct FlankForce<T> {
     pub depth: T,
 }
 
-/// Forces on an element whose flank has this `motion`; `cos_beta` = cos β.
+/// Forces on an element whose flank has this `motion`.
 #[inline(always)]
 pub fn flank_force<T: Real>(
     contact: &Contact,
@@ -146,14 +146,13 @@ fn coefficient<T: Real>(friction: &Friction, square: T) -> T {
 }
 
 /// Torque at which the belt slips tangentially on the whole arc, N·m: 2 μ F r/cos β, with the axial
-/// force `force` of the sheaves, N, and the pitch radius `radius`, m.
+/// force F of the sheaves, N, and the pitch radius r, m.
 #[must_use]
 pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: f64) -> f64 {
     2.0 * friction.pulley * force * radius / cos_beta
 }
 
-/// Elastic energy of a flank per pitch-line length, J/m, at the penetration g where ⟨g⟩₊ is
-/// `depth`, m.
+/// Elastic energy of a flank per pitch-line length, J/m, where ⟨g⟩₊ is `depth`, m.
 #[inline(always)]
 #[must_use]
 pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T, depth: T) -> T {

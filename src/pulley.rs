@@ -2,19 +2,20 @@
 //! motion are in `variator/pulleys/`.
 
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
-use std::ops::{Index, IndexMut};
+use std::ops::{Index, IndexMut, RangeInclusive};
 
-/// A pulley of the variator, in the order in which the belt meets them from ξ = 0 on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// A pulley of the variator, in the order along ξ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Pulley {
     /// The driven pulley, at the origin.
+    #[default]
     Secondary,
     /// The driving pulley, at (d_A, 0).
     Primary,
 }
 
 impl Pulley {
-    /// Both, in the order along ξ.
+    /// Both pulleys.
     pub const BOTH: [Self; 2] = [Self::Secondary, Self::Primary];
 
     /// The other pulley.
@@ -46,12 +47,12 @@ pub struct PerPulley<T> {
 }
 
 impl<T> PerPulley<T> {
-    /// Calls `of` for each pulley, the secondary first.
+    /// Calls `f` for each pulley, the secondary first.
     #[inline(always)]
-    pub fn from_fn(mut of: impl FnMut(Pulley) -> T) -> Self {
+    pub fn from_fn(mut f: impl FnMut(Pulley) -> T) -> Self {
         Self {
-            secondary: of(Pulley::Secondary),
-            primary: of(Pulley::Primary),
+            secondary: f(Pulley::Secondary),
+            primary: f(Pulley::Primary),
         }
     }
 
@@ -92,6 +93,17 @@ impl<T> IndexMut<Pulley> for PerPulley<T> {
     }
 }
 
+/// Functions of the wedge angle β of the sheaves.
+#[derive(Clone, Copy, Debug)]
+pub struct Wedge {
+    /// sin β.
+    pub sin: f64,
+    /// cos β.
+    pub cos: f64,
+    /// tan β.
+    pub tan: f64,
+}
+
 /// Stiffness of the end stops, N/m: 20 kN compress a stop by 20 µm.
 pub const STOP_STIFFNESS: f64 = 1.0e9;
 
@@ -110,7 +122,7 @@ pub struct Travel {
     pub closed: f64,
 }
 
-/// Force of the end stops on the sheave, closing positive, N.
+/// Force of the end stops on the sheave, N, closing positive.
 #[derive(Clone, Copy, Debug)]
 pub struct StopForce<T> {
     /// Elastic and damping force.
@@ -120,13 +132,13 @@ pub struct StopForce<T> {
 }
 
 impl Travel {
-    /// Travel of a pulley between its smallest and largest pitch radius, m. `r0` is the pitch
-    /// radius at ratio 1, m, and `tan_beta` = tan β of the wedge.
+    /// Travel of a pulley over these pitch radii, m; `r0` is that at ratio 1, m.
     #[must_use]
-    pub fn new((min_radius, max_radius): (f64, f64), r0: f64, tan_beta: f64) -> Self {
+    pub fn new(radii: RangeInclusive<f64>, r0: f64, wedge: &Wedge) -> Self {
+        let stop = |radius: f64| 2.0 * (radius - r0) * wedge.tan;
         Self {
-            open: 2.0 * (min_radius - r0) * tan_beta,
-            closed: 2.0 * (max_radius - r0) * tan_beta,
+            open: stop(*radii.start()),
+            closed: stop(*radii.end()),
         }
     }
 

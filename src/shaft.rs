@@ -3,8 +3,8 @@
 //! T_d = tanh(ω/ω₀) (T₀ + μ_b r_b R) + b ω, against the rotation.
 //!
 //! - T₀, N·m: seals, independent of speed; b, N·m·s/rad: oil,
-//! - R, N: the resultant of all contact forces of the belt on the pulley, which the bearings carry.
-//!   The centripetal force of the belt's own mass does not act on the pulley and is not in R,
+//! - R, N: the resultant of all contact forces of the belt on the pulley, which the bearings carry;
+//!   the centripetal force of the belt's own mass does not act on the pulley,
 //! - μ_b, r_b, m: friction coefficient of the bearings, at their mean radius,
 //! - ω₀: regularisation speed; the drag is zero at a standstill, and sticking bearings are not
 //!   modelled.

@@ -11,10 +11,10 @@
 //!
 //! Both sheaves of a pulley have the same tilt in the model, the mean of the two.
 //!
-//! The amplitude is that of Sattler's trigonometric law of the groove width: |ψ| = aΔ tan β, a = (1
-//! + cos²β)/sin 2β, has the same variation of radius, so |ψ| ≈ 1.02 Δ at β = 11°. The defaults
-//! follow, under a uniform pressure, from Δ = (1 + 0.02 (F/kN − 20))·1e-3, fitted to measured
-//! shifts (Carbone, Mangialardi, Bonsen, Tursi, Veenhuizen 2007).
+//! Sattler's trigonometric law of the groove width has the same variation of radius with |ψ| = aΔ
+//! tan β, a = (1 + cos²β)/sin 2β: |ψ| ≈ 1.02 Δ at β = 11°. The defaults follow, under a uniform
+//! pressure, from Δ = (1 + 0.02 (F/kN − 20))·1e-3, fitted to measured shifts (Carbone, Mangialardi,
+//! Bonsen, Tursi, Veenhuizen 2007).
 
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
 
@@ -30,8 +30,7 @@ const BEARING: f64 = 0.05;
 /// Parameters of the tilt of one sheave.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tilt {
-    /// Stiffness k beyond the clearance, N·m/rad; from [`RIGID_TILT_STIFFNESS`] on the sheave is
-    /// rigid.
+    /// Stiffness k beyond the clearance, N·m/rad.
     pub stiffness: f64,
     /// Clearance ψ_c, rad.
     pub clearance: f64,

@@ -125,7 +125,7 @@ impl Case {
         let path = Path::new(law.axes[1], [secondary, primary]);
         let n = law.count;
         let points = (0..n).map(|i| path.at(i as f64 / n as f64 * path.length()));
-        let (r0, tan_beta) = (law.r0, law.wedge[2]);
+        let (r0, tan_beta) = (law.r0, law.wedge.tan);
         let ring_over_pitch = self.parameters.geometry.belt_length / path.length();
         let mut machine = Machine::new(law, self.step(), points);
         let speed = self.options.speed * primary;
@@ -145,7 +145,7 @@ impl Case {
         let rise = |over: f64| (0.1 + machine.time / over).min(1.0);
         let [secondary, primary] = machine.loads.map(|load| load.weight[1] / load.weight[0]);
         let speed = if machine.loads.iter().all(|load| load.weight[0] > 0.0) {
-            RATIO_RATE * machine.law.wedge[2] * primary * (secondary / primary / self.ratio).ln()
+            RATIO_RATE * machine.law.wedge.tan * primary * (secondary / primary / self.ratio).ln()
         } else {
             0.0
         };

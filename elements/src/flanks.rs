@@ -17,6 +17,7 @@ use crate::belt::{Belt, Vector};
 use crate::law::Law;
 use crate::pulleys::{Load, Pulley};
 use pushbelt::contact::{FlankMotion, flank_force};
+use pushbelt::pulley::Wedge;
 use pushbelt::scalar::{LANES, Lanes, Real as _};
 
 /// Clearance in roughnesses from which a flank doesn't touch: e^−40.
@@ -77,7 +78,8 @@ impl Flanks {
         self.of.resize(law.count + 2, Flank::default());
         self.touches.clear();
         self.find(law, pulleys, belt);
-        let (contact, friction, cos_beta) = (&law.parameters.contact, &law.parameters.friction, law.wedge[1]);
+        let (contact, friction, cos_beta) =
+            (&law.parameters.contact, &law.parameters.friction, law.wedge.cos);
         for pack in self.touches.chunks_mut(LANES) {
             let last = pack.len() - 1;
             let motions: [_; LANES] = std::array::from_fn(|k| pack[k.min(last)].motion);
@@ -113,7 +115,11 @@ impl Flanks {
 
     /// The elements that touch, and how they move on their sheaves.
     fn find(&mut self, law: &Law, pulleys: &[Pulley; 2], belt: &Belt) {
-        let [sin_beta, cos_beta, tan_beta] = law.wedge;
+        let Wedge {
+            sin: sin_beta,
+            cos: cos_beta,
+            tan: tan_beta,
+        } = law.wedge;
         let middle = 0.5 * (law.axes[0] + law.axes[1]);
         let apart = -APART * law.unit_damped.roughness;
         for (i, place) in belt.p.iter().enumerate().take(law.count + 1).skip(1) {
@@ -156,7 +162,11 @@ impl Flanks {
 
     /// What the pulleys get after the speeds have changed by `change`.
     pub fn loads(&self, law: &Law, dt: f64, change: &[Vector]) -> [Load; 2] {
-        let [sin_beta, cos_beta, _] = law.wedge;
+        let Wedge {
+            sin: sin_beta,
+            cos: cos_beta,
+            ..
+        } = law.wedge;
         let mut loads = [Load::default(); 2];
         for touch in &self.touches {
             let motion = touch.moved(cos_beta, change[touch.element]);

@@ -2,6 +2,7 @@
 
 use crate::oil::Oil;
 use pushbelt::contact::Contact;
+use pushbelt::pulley::Wedge;
 use pushbelt::variator::settings::{ParameterError, Parameters, PulleyParameters};
 
 /// What this model has beside the FMU's parameters, and the loads of a case.
@@ -68,8 +69,8 @@ pub struct Law {
     pub lever: f64,
     /// Contact of the flanks with a damping time of 1 s: its damping force is that of unit closing.
     pub unit_damped: Contact,
-    /// sin β, cos β, tan β.
-    pub wedge: [f64; 3],
+    /// Wedge of the sheaves.
+    pub wedge: Wedge,
     /// Pitch radius of unloaded contact at z = 0, m.
     pub r0: f64,
     /// Axes of the pulleys, x, m.
@@ -124,7 +125,11 @@ impl Law {
                 damping: 1.0,
                 ..parameters.contact.clone()
             },
-            wedge: [beta.sin(), beta.cos(), beta.tan()],
+            wedge: Wedge {
+                sin: beta.sin(),
+                cos: beta.cos(),
+                tan: beta.tan(),
+            },
             r0,
             axes: [0.0, geometry.center_distance],
             parameters: parameters.clone(),

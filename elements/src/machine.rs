@@ -253,7 +253,7 @@ impl Machine {
         for touch in &self.flanks.touches {
             let penetration = touch.motion.penetration;
             let [depth, ..] = penetration.soft_plus(contact.roughness);
-            parts[4] += 2.0 * law.thickness * energy_density(contact, law.wedge[1], penetration, depth);
+            parts[4] += 2.0 * law.thickness * energy_density(contact, law.wedge.cos, penetration, depth);
         }
         for (j, of) in law.pulleys().into_iter().enumerate() {
             parts[5] += self.pulleys[j].energy(of, self.drive[j].0);
@@ -284,7 +284,7 @@ impl Machine {
             }
         }
         for (j, (name, of)) in ["secondary", "primary"].into_iter().zip(law.pulleys()).enumerate() {
-            let travel = Travel::new((of.min_radius, of.max_radius), law.r0, law.wedge[2]);
+            let travel = Travel::new(of.min_radius..=of.max_radius, law.r0, &law.wedge);
             let is_free = (travel.open..=travel.closed).contains(&self.pulleys[j].z);
             if !is_free && self.drive[j].1 != Cone::Held {
                 // The element in the middle of the arc.

@@ -6,8 +6,8 @@ use crate::ring::kinematics::{LineLoad, Motion, Node, ReferenceMotion, RingPoint
 use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::scalar::Real;
 use pushbelt::variator::ring_models::{
-    CELL_POINTS, CellGeometry, CellRing, Deflecting, Degrees, DegreesOfFreedom, EulerianRing, MeshCurve,
-    RingDensity, RingForces, RingKind, StateComponent, StationLoad, nodes,
+    CELL_POINTS, CellGeometry, CellRing, Deflecting, Degrees, DegreesOfFreedom, EulerianRing, Extent,
+    MeshCurve, RingDensity, RingForces, RingKind, StateComponent, StationLoad, nodes,
 };
 
 /// `ALE` with the deflection in directions that rotate with the reference curve.
@@ -104,9 +104,9 @@ impl<const D: usize, C: MeshCurve + AngledCurve> RingKind<D, C> for RotatingRing
         (frame, segment): (&'a C::Frame<T>, usize),
         unknown: impl Fn(StateComponent, usize) -> T,
     ) -> Rotating<'a, T, D> {
-        let [start, share] = geometry.of_segment;
+        let Extent { start, length } = geometry.extent;
         let curve = |fraction| C::tangent_angle(frame, segment, fraction);
         let nodes = nodes(unknown);
-        Rotating::new(ring, geometry, motion, nodes, [start, start + share], curve)
+        Rotating::new(ring, geometry, motion, nodes, [start, start + length], curve)
     }
 }

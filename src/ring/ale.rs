@@ -8,27 +8,25 @@
 //!
 //! In space V also contains ½∫EI_b κ_b² dξ, κ_b = b_refᵀ r'' = −w'' (24), with w the deflection
 //! along z, and γ contains w'. b_ref = −e_z is constant, so bending and transport of w are those of
-//! a straight beam. The in-plane and the binormal deflection are coupled by |r'| alone. (24)
-//! neglects the twist φ of the sections: with it, on an arc, −κ_b = w'' + κ_ref φ and the torsion
-//! is φ' − κ_ref w'. φ = 0 means that sections stay upright, as elements between two flanks hold
-//! them. On strands (κ_ref = 0) nothing is neglected, and the torsional stiffness of a thin band is
-//! small (G t³/3 against E w³/12·t). A shift along z therefore has no energy, but a tilt of a whole
-//! free circle by ψ has ½ EI_b ∮w''² dξ = ½π EI_b ψ²/R, because its sections do not tilt with it.
+//! a straight beam; |r'| alone couples them to the deflection in the plane. (24) neglects the twist
+//! φ of the sections: with it, on an arc, −κ_b = w'' + κ_ref φ and the torsion is φ' − κ_ref w'.
+//! φ = 0 means that sections stay upright, as elements between two flanks hold them. On strands
+//! (κ_ref = 0) nothing is neglected, and the torsional stiffness of a thin band is small (G t³/3
+//! against E w³/12·t). A shift along z therefore has no energy, but a tilt of a whole free circle by
+//! ψ has ½ EI_b ∮w''² dξ = ½π EI_b ψ²/R, because its sections do not tilt with it.
 //!
 //! V is differentiated at fixed η, dξ = ξ_η dη included. The result contains the border terms
 //! ½EI\[κ²\] dξ_k/dΘ that the paper's (18), (23b) lose where κ_ref jumps at a moving arc border.
 //!
-//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ, with the force at each point. The printed (14), (26b) hold only
-//! where ∫PᵀṖ is symmetric. A form that conserves energy and drift momentum of the discrete ring
-//! exactly differs by ∮∂(m_r w v·δr)/∂ξ dξ = 0, which quadrature integrates inexactly; the paper's
-//! comparison has both.
+//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ, not as printed in (14), (26b). A form that conserves energy and
+//! drift momentum of the discrete ring exactly differs by ∮∂(m_r w v·δr)/∂ξ dξ = 0, which
+//! quadrature integrates inexactly.
 //!
 //! Kelvin–Voigt damping acts on the material strain rate: T = EA (γ + η Dγ/Dt), with the virtual
 //! power of Dγ/Dt, so it dissipates exactly ∫EA η (Dγ/Dt)² dξ. In Dγ/Dt = γ̇ + w γ', γ' is its mean
-//! over a cell of the mesh. Where a cubic element on an arc deflects, its strain varies within the
-//! element. This variation is fixed in space while the ring runs through it, so damping with the
-//! pointwise γ' excites waves as short as an element (at 57 m/s they grew by a factor of four in a
-//! millisecond). The mean is second-order accurate and dissipative in every motion.
+//! over a cell of the mesh, second-order accurate and dissipative in every motion: damping with the
+//! pointwise γ' excites waves as short as an element (`docs/decisions.md`; at 57 m/s they grew by a
+//! factor of four in a millisecond).
 
 use super::Ring;
 use super::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
@@ -52,8 +50,7 @@ pub fn curvature<T: Real, const D: usize>(point: &RingPoint<T, D>) -> T {
         - reference.kappa * (reference.t.dot(&in_plane(&point.slope)) - 1.0)
 }
 
-/// Energies and damping of the ring at a point: the integrands of (6), (17), and the power of
-/// damping.
+/// Energies, the integrands of (6), (17), and damping of the ring at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct RingDensity<T> {
     /// Kinetic energy per dξ, J/m.

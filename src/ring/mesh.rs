@@ -1,7 +1,7 @@
 //! Division of the reference curve into ring elements, and of the elements into quadrature points.
 //!
-//! Element borders lie on the segment borders for every Θ. Every quadrature point stays on its own
-//! arc or strand, and all integrals are smooth in Θ.
+//! Element borders lie on the segment borders for every Θ, so every quadrature point stays on its
+//! own arc or strand, and all integrals are smooth in Θ.
 
 use super::kinematics::Hermite;
 use std::f64::consts::TAU;
@@ -88,7 +88,6 @@ pub fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<I
     })
 }
 
-/// Nodes and weights of Gauss's rules on [−1, 1] with 2 to 5 points.
 const GAUSS: [&[(f64, f64)]; 4] = [
     &[(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)],
     &[

@@ -1,25 +1,21 @@
 //! Stress in the layers of the ring, from tension and curvature along the belt: a law without
 //! state.
 //!
-//! Two ring sets of n layers share the tension T. Each layer has the same speed all around the
-//! loop, so on one pulley all layers slip on each other, each against the one below
-//! ([`layers`](super::layers)). They slip backwards, because the outer ones have further to go, and
-//! friction pulls them forwards: with θ the angle of travel on that arc, the tension T_j outside
-//! interface j follows
+//! Two ring sets of n layers share the tension T. Each layer has one speed around the loop, so on
+//! one pulley all layers slip, each against the one below ([`layers`](super::layers)). They slip
+//! backwards, because the outer ones have further to go, and friction pulls them forwards: with θ
+//! the angle of travel on that arc, the tension T_j outside interface j follows
 //!
 //! dT_j/dθ = −μ_l (T_j − m_j ṡ²), m_j the mass of the layers outside it,
 //!
 //! and returns on the other pulley, where the layers stick, taken as linear in the angle. Strands
-//! change no T_j. All equations are the same but for the share (n − j)/n of the layers outside.
-//! With equal ∮T_j dξ per layer (layers that fit one another are stretched alike) their solution is
-//! one function of the place: a layer other than the innermost has T_o/n,
+//! change no T_j. The equations differ by the share (n − j)/n of the layers outside alone. With
+//! equal ∮T_j dξ per layer (layers that fit one another are stretched alike) their solution is one
+//! function of the place: a layer other than the innermost has T_o/n,
 //!
 //! T_o = m_r ṡ² + A g(θ), with g the decay and the return, and A from ∮T_o dξ = ∮T dξ.
 //!
-//! The innermost has the rest, T_o/n + T − T_o: it rubs on the elements. Without friction between
-//! layers T_o is constant, and the innermost alone has the changes of T. With the same friction
-//! everywhere and a ring that slips on its elements as its layers do, T = T_o and all layers share
-//! T equally.
+//! The innermost, which rubs on the elements, has the rest, T_o/n + T − T_o.
 //!
 //! Near ratio 1 and at a standstill the layers stick on both pulleys. They then share the changes
 //! of T alike, as far as their friction bears it on the shorter arc: T_o = T̄ + c (T − T̄) with c =
@@ -33,17 +29,16 @@
 //! Simplifications: friction is rigid-plastic, so a reversal of the load acts at once; the
 //! curvature is that of the centre line, although the innermost layer of nine bends 2 % more on the
 //! smallest radius; a layer is much wider than thick, so its stiffness in bending lies between E
-//! and E/(1 − ν²), an upper bound with 10 % more stress of bending; contact stress on the saddle
-//! and at the edges is left out.
+//! and E/(1 − ν²), the bound with 10 % more stress of bending; contact stress on the saddle and at
+//! the edges is left out.
 //!
-//! In a revolution a face has two cycles of stress, one on each pulley. Rainflow counting on the
-//! closed loop of two peaks and two valleys combines the higher peak with the lower valley and the
-//! other two with each other. At an outer face the peaks are on the arcs, at an inner one the
-//! valleys.
+//! In a revolution a face has two cycles of stress, one on each pulley. Rainflow counting combines
+//! the higher peak with the lower valley, and the other two with each other. The peaks of an outer
+//! face are on the arcs, those of an inner face on the strands.
 
 use super::Ring;
 use super::layers::{Layers, slip};
-use crate::pulley::PerPulley;
+use crate::pulley::{PerPulley, Pulley};
 
 /// Ring sets, side by side on the elements.
 const SETS: f64 = 2.0;
@@ -61,18 +56,20 @@ pub struct RingPart {
     pub curvature: f64,
     /// Angle by which the reference curve turns within it, rad: 0 on a strand.
     pub turning: f64,
-    /// Pulley of an arc, or strand: 0 is the secondary, and the strand that follows its arc in ξ.
-    pub number: usize,
+    /// Pulley of an arc; of a strand, that whose arc it follows in ξ.
+    pub pulley: Pulley,
 }
 
 /// Writes the tension T_o in each part to `along`, N.
 fn outer_tension(
-    (ring, layers): (&Ring, &Layers),
-    (speed, radii): (f64, [f64; 2]),
+    ring: &Ring,
+    layers: &Layers,
+    speed: f64,
+    radii: PerPulley<f64>,
     parts: &[RingPart],
     along: &mut [f64],
 ) {
-    let (mut length, mut sum, mut wraps) = (0.0, 0.0, [0.0; 2]);
+    let (mut length, mut sum, mut wraps) = (0.0, 0.0, PerPulley::<f64>::default());
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for part in parts {
         length += part.length;
@@ -80,16 +77,16 @@ fn outer_tension(
         low = low.min(part.tension);
         high = high.max(part.tension);
         if part.turning > 0.0 {
-            wraps[part.number] += part.turning;
+            wraps[part.pulley] += part.turning;
         }
     }
     let centrifugal = ring.mass_per_length * speed * speed;
     let mean = sum / length;
-    let [secondary, primary] = wraps;
+    let PerPulley { secondary, primary } = wraps;
     let (slips, slipping) = slip(radii, speed);
     let rate = layers.friction * speed.signum();
     // Shape g after an angle on the arc of a pulley.
-    let shape = |pulley: usize, turned: f64| {
+    let shape = |pulley: Pulley, turned: f64| {
         if pulley == slips {
             return (-rate * turned).exp();
         }
@@ -103,11 +100,11 @@ fn outer_tension(
         let middle = angle + 0.5 * part.turning;
         angle += part.turning;
         *shape_there = if middle <= secondary {
-            shape(0, middle)
+            shape(Pulley::Secondary, middle)
         } else if middle <= secondary + primary {
-            shape(1, middle - secondary)
+            shape(Pulley::Primary, middle - secondary)
         } else {
-            shape(0, middle - secondary - primary)
+            shape(Pulley::Secondary, middle - secondary - primary)
         };
         mean_shape += *shape_there * part.length;
     }
@@ -119,15 +116,15 @@ fn outer_tension(
         1.0
     };
     for (part, along) in parts.iter().zip(along) {
-        let of_slip = centrifugal + (mean - centrifugal) * *along / mean_shape;
-        let of_stick = mean + fraction * (part.tension - mean);
-        *along = of_stick + slipping * (of_slip - of_stick);
+        let slipped = centrifugal + (mean - centrifugal) * *along / mean_shape;
+        let stuck = mean + fraction * (part.tension - mean);
+        *along = stuck + slipping * (slipped - stuck);
     }
 }
 
 /// Tension of the innermost of `count` layers and of each other one, of both sets together, N,
-/// where the ring has the tension `tension` and T_o is `outer`.
-fn of_layers(tension: f64, outer: f64, count: i32) -> [f64; 2] {
+/// where T_o is `outer`.
+fn layer_tensions(tension: f64, outer: f64, count: i32) -> [f64; 2] {
     let fraction = outer / f64::from(count);
     [fraction + tension - outer, fraction]
 }
@@ -143,63 +140,63 @@ pub struct RingStress {
     pub mean: PerPulley<f64>,
 }
 
-/// Cycles of a face's stress by rainflow counting: the larger extreme of the arcs with the smaller
-/// one of the strands. `side` is +1 for an outer face, −1 for an inner one; extremes are those of
-/// the stress times it.
+/// Cycles of a face's stress by rainflow counting. `side` is +1 for an outer face, −1 for an inner
+/// one; peaks and valleys are those of the stress times it.
 fn cycles<'a>(side: f64, stresses: impl Iterator<Item = (&'a RingPart, f64)>) -> RingStress {
-    let (mut max, mut arcs, mut strands) = (f64::NEG_INFINITY, [f64::NEG_INFINITY; 2], [f64::INFINITY; 2]);
+    let mut max = f64::NEG_INFINITY;
+    let mut peaks = PerPulley::from_fn(|_| f64::NEG_INFINITY);
+    let mut strands = PerPulley::from_fn(|_| f64::INFINITY);
     for (part, stress) in stresses {
         max = max.max(stress);
         if part.turning > 0.0 {
-            arcs[part.number] = (side * stress).max(arcs[part.number]);
+            peaks[part.pulley] = (side * stress).max(peaks[part.pulley]);
         } else {
-            strands[part.number] = (side * stress).min(strands[part.number]);
+            strands[part.pulley] = (side * stress).min(strands[part.pulley]);
         }
     }
-    let [low, high] = [strands[0].min(strands[1]), strands[0].max(strands[1])];
-    let [secondary, primary] = if arcs[1] > arcs[0] {
-        [high, low]
+    let PerPulley { secondary, primary } = strands;
+    let (low, high) = (secondary.min(primary), secondary.max(primary));
+    let (secondary, primary) = if peaks.primary > peaks.secondary {
+        (high, low)
     } else {
-        [low, high]
+        (low, high)
     };
-    let cycles = PerPulley {
-        secondary: (arcs[0], secondary),
-        primary: (arcs[1], primary),
-    };
+    let valleys = PerPulley { secondary, primary };
     RingStress {
         max,
-        amplitude: cycles.map(|(peak, valley)| (0.5 * (peak - valley)).max(0.0)),
-        mean: cycles.map(|(peak, valley)| 0.5 * side * (peak + valley)),
+        amplitude: PerPulley::from_fn(|pulley| (0.5 * (peaks[pulley] - valleys[pulley])).max(0.0)),
+        mean: PerPulley::from_fn(|pulley| 0.5 * side * (peaks[pulley] + valleys[pulley])),
     }
 }
 
 /// Stress of the face with the largest one over a revolution, where the ring moves along itself at
-/// a speed, m/s, on pitch radii, the secondary first, m. Writes its stress in each part to `along`,
-/// Pa. All are zero for layers without thickness.
+/// `speed`, m/s, on pitch radii, m. Writes its stress in each part to `along`, Pa. All are zero for
+/// layers without thickness.
 pub fn ring_stress(
-    of: (&Ring, &Layers),
-    motion: (f64, [f64; 2]),
+    ring: &Ring,
+    layers: &Layers,
+    speed: f64,
+    radii: PerPulley<f64>,
     parts: &[RingPart],
     along: &mut [f64],
 ) -> RingStress {
-    let (ring, layers) = of;
     let area = SETS * layers.width * layers.thickness;
-    outer_tension(of, motion, parts, along);
+    outer_tension(ring, layers, speed, radii, parts, along);
     let per_area = area.recip();
     let bending = 0.5 * layers.thickness * ring.axial_stiffness / (area * f64::from(layers.count));
     let stress = |(layer, side): (usize, f64), part: &RingPart, outer: f64| {
-        of_layers(part.tension, outer, layers.count)[layer] * per_area
+        layer_tensions(part.tension, outer, layers.count)[layer] * per_area
             + side * bending * (part.curvature - layers.residual_curvature)
     };
     // A ring of one layer has the innermost only.
     let last = usize::from(layers.count > 1);
     let faces = (0..=last).flat_map(|layer| [(layer, 1.0), (layer, -1.0)]);
-    let of_faces = faces.map(|face| {
+    let stressed = faces.map(|face| {
         let stresses = parts.iter().zip(&*along);
         let stresses = stresses.map(|(part, &outer)| (part, stress(face, part, outer)));
         (face, cycles(face.1, stresses))
     });
-    let worst = of_faces.reduce(|worst, of| if of.1.max > worst.1.max { of } else { worst });
+    let worst = stressed.reduce(|worst, face| if face.1.max > worst.1.max { face } else { worst });
     let Some((face, found)) = worst.filter(|_| area > 0.0) else {
         along.fill(0.0);
         return RingStress::default();

@@ -1,17 +1,22 @@
 //! The stack of push elements.
 
+use pushbelt::ring::kinematics::WithRate;
 use pushbelt::scalar::Dual;
 use pushbelt::stack::{
-    PushElements, RATE_SMOOTHING, Transport, UPWIND_SMOOTHING, energy_density, flux, push_force,
+    Push, PushElements, RATE_SMOOTHING, Transport, UPWIND_SMOOTHING, energy_density, flux, push_force,
 };
 use pushbelt_support::laws::belt;
 use pushbelt_support::noise;
 
 use crate::assert_near;
 
+fn push(belt: &PushElements, value: f64, rate: f64) -> Push<f64> {
+    push_force(belt, WithRate { value, rate })
+}
+
 /// Q without damping, N.
 fn elastic(nu: f64) -> f64 {
-    push_force(&belt(), [nu, 0.0]).force
+    push(&belt(), nu, 0.0).force
 }
 
 /// In contact, at first touch and in a gap. The energy is zero at gaps of a tenth of the belt, the
@@ -31,7 +36,7 @@ fn push_force_is_the_derivative_of_the_energy() {
 const FAST: f64 = 100.0 * RATE_SMOOTHING;
 
 fn viscous(belt: &PushElements, nu: f64, rate: f64) -> f64 {
-    push_force(belt, [nu, rate]).viscous
+    push(belt, nu, rate).viscous
 }
 
 #[test]

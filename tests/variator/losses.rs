@@ -68,7 +68,7 @@ fn pressing(state: &Steady) -> PerPulley<f64> {
             Pulley::Secondary
         };
         let s = at.sample;
-        sums[pulley] += (s.tension - centrifugal) * s.curvature[0] * s.weight;
+        sums[pulley] += (s.tension - centrifugal) * s.curvature * s.weight;
     }
     sums
 }

@@ -68,7 +68,7 @@ fn strands_are_straight_between_boundary_layers() {
             .filter(|at| at.segment == segment)
             .collect();
         // Distance from the start of the strand, m, and slope w' there.
-        let place = |at: &At| (at.sample.xi - stations[0].sample.xi, at.sample.lateral[1]);
+        let place = |at: &At| (at.sample.xi - stations[0].sample.xi, at.sample.lateral_slope);
         let slopes: Vec<_> = stations.iter().map(place).collect();
         let length = slopes.last().expect("a station").0;
         let net = |at: &At| at.sample.tension - at.sample.push;
@@ -122,7 +122,7 @@ fn misalignment_follows_the_ratio() {
         let state = at_ratio(&parameters, ratio);
         let o = &state.outputs;
         let law = &state.system.belt.law;
-        let geometric = -(o.primary.radius + o.secondary.radius - 2.0 * law.r0) * law.wedge[2];
+        let geometric = -(o.primary.radius + o.secondary.radius - 2.0 * law.r0) * law.wedge.tan;
         // The flanks' penetration closes the pulleys a little more.
         assert!((o.misalignment - geometric).abs() < 1.5e-4);
         assert!((ratio - 1.0).abs() < 0.1 || o.misalignment > 3.0e-4);

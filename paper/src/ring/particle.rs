@@ -9,7 +9,7 @@
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
 
-use super::kinematics::{LineLoad, ReferenceMotion, RingPoint};
+use super::kinematics::{LineLoad, PointMotion, ReferenceMotion, RingPoint};
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
@@ -53,15 +53,20 @@ impl<T: Real, const D: usize> Particle<T, D> {
     /// The ring at a mesh point of the reference curve, currently at `reference`.
     #[inline(always)]
     pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T, D> {
-        let (w, w_dot) = motion.material_speed(&reference.xi);
+        let speed = motion.material_speed(&reference.xi);
+        let (w, w_dot) = (speed.value, speed.rate);
         let slope_dot = self.velocity_slope - self.bend * w;
         let r_dot = self.velocity - self.slope * w;
         let r_ddot = self.acceleration - self.slope * w_dot - slope_dot * (w * 2.0) - self.bend * (w * w);
-        RingPoint::of_motion(
-            reference,
-            [self.r, r_dot, r_ddot, self.slope, slope_dot, self.bend],
-            motion,
-        )
+        let place = PointMotion {
+            r: self.r,
+            r_dot,
+            r_ddot,
+            slope: self.slope,
+            slope_dot,
+            bend: self.bend,
+        };
+        RingPoint::from_motion(reference, place, motion)
     }
 }
 

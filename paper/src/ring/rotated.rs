@@ -15,7 +15,8 @@
 //! curvature of its own side.
 
 use super::kinematics::{
-    ElementLoad, ElementMotion, Hermite, LineLoad, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane,
+    ElementLoad, ElementMotion, Hermite, LineLoad, Motion, Node, PointMotion, ReferenceMotion, RingPoint,
+    embed, in_plane,
 };
 use crate::reference_curve::{Jet, ReferencePoint, TangentAngle};
 use crate::scalar::{Real, turn_right};
@@ -37,7 +38,9 @@ impl<T: Real> RotatedElement<T> {
     ) -> Self {
         let deflection = [in_plane(&nodes[0].value.a), in_plane(&nodes[1].value.a)];
         for (node, k) in nodes.iter_mut().zip(&curvature) {
-            let [rate, acceleration] = theta.rates(k);
+            let Motion {
+                rate, acceleration, ..
+            } = theta.chain_rule(k);
             let [a, a_dot, a_ddot] =
                 [node.value.a, node.rate.a, node.acceleration.a].map(|a| turn_right(in_plane(&a)));
             node.value.b += embed(a * k.v);
@@ -75,23 +78,33 @@ pub fn rotated_point<T: Real, const D: usize>(
 ) -> RingPoint<T, D> {
     let theta = &motion.theta;
     let d = element.overlay(shape);
-    let [chi_dot, chi_ddot] = theta.rates(&angle.chi);
+    let chi = theta.chain_rule(&angle.chi);
     let kappa = reference.kappa;
     let kappa_dot = reference.kappa_theta * theta.rate;
-    let [r, r_dot, r_ddot, slope, slope_dot, bend] = d.map(|v| in_plane(&v));
+    let PointMotion {
+        r,
+        r_dot,
+        r_ddot,
+        slope,
+        slope_dot,
+        bend,
+    } = d.zip(d, |v, _| in_plane(&v));
     let e = slope - turn_right(r) * kappa;
     let e_dot = slope_dot - turn_right(r) * kappa_dot - turn_right(r_dot) * kappa;
-    let overlay = [
+    let overlay = PointMotion {
         r,
-        r_dot - turn_right(r) * chi_dot,
-        r_ddot - turn_right(r_dot) * (chi_dot * 2.0) - turn_right(r) * chi_ddot - r * (chi_dot * chi_dot),
-        e,
-        e_dot - turn_right(e) * chi_dot,
-        bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa),
-    ];
+        r_dot: r_dot - turn_right(r) * chi.rate,
+        r_ddot: r_ddot
+            - turn_right(r_dot) * (chi.rate * 2.0)
+            - turn_right(r) * chi.acceleration
+            - r * (chi.rate * chi.rate),
+        slope: e,
+        slope_dot: e_dot - turn_right(e) * chi.rate,
+        bend: bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa),
+    };
+    let overlay = overlay.zip(d, |v, d| turned(reference.t * v.x + reference.n * v.y, &d));
     let curve = RingPoint::on_curve(&reference, theta);
-    let sum = |k: usize| curve[k] + turned(reference.t * overlay[k].x + reference.n * overlay[k].y, &d[k]);
-    RingPoint::of_motion(reference, std::array::from_fn(sum), motion)
+    RingPoint::from_motion(reference, curve.zip(overlay, |curve, overlay| curve + overlay), motion)
 }
 
 /// Adds a load over the length `weight`, m, at a point of [`rotated_point`]: the transpose of its
@@ -105,9 +118,9 @@ pub fn rotated_load<T: Real, const D: usize>(
     sum: &mut ElementLoad<T, D>,
 ) {
     let reference = &point.reference;
-    let [d, _, _, d_slope, _, d_bend] = element.overlay(shape);
+    let d = element.overlay(shape);
     let kappa = reference.kappa;
-    let [r, slope, bend] = [d, d_slope, d_bend].map(|v| in_plane(&v));
+    let [r, slope, bend] = [d.r, d.slope, d.bend].map(|v| in_plane(&v));
     let e = slope - turn_right(r) * kappa;
     let h = bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa);
     let local = |v: &SVector<T, D>| {
@@ -129,5 +142,5 @@ pub fn rotated_load<T: Real, const D: usize>(
         theta: T::zero(),
     };
     sum.add_to_overlay(&of_deflection, shape, element, weight);
-    sum.theta += of_deflection.on_length([&d_slope, &d_bend], element) * weight;
+    sum.theta += of_deflection.on_length(&d.slope, &d.bend, element) * weight;
 }

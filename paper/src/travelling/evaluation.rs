@@ -11,8 +11,8 @@ use crate::travelling::order::nodal;
 use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtPoint};
 use pushbelt::solver::Factors;
 use pushbelt::variator::ring_models::{
-    AtStation, CELL_POINTS, CellGeometry, CellInput, CellMotion, CellPoints, InForce, Layout, StateComponent,
-    balance,
+    AtStation, CELL_POINTS, CellGeometry, CellInput, CellMotion, CellPoints, Extent, FirstUnknowns, InForce,
+    Layout, StateComponent, balance,
 };
 use std::ops::Mul;
 
@@ -154,22 +154,29 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         };
         let own = over.nodal();
         let globals = own + DRIFT;
-        let motion = CellMotion::of_unknowns([own, globals, globals + 2], |part, k| of.unknown(part, k));
+        let first = FirstUnknowns {
+            own,
+            drift: globals,
+            sheave: globals + 2,
+        };
+        let motion = CellMotion::from_unknowns(first, |part, k| of.unknown(part, k));
         let of_mesh = &belt.mesh.cells[over.cell];
         let element = &belt.mesh.elements[of_mesh.element];
-        let plane = law.planes[of_mesh.pulley];
-        let [layers, rotation_drag] = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
+        let drags = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
         let geometry = CellGeometry {
             // Stations of the mesh have fractions of the segment.
-            of_segment: [0.0, 1.0],
+            extent: Extent {
+                start: 0.0,
+                length: 1.0,
+            },
             face: &of_mesh.face,
             stations: &of_mesh.stations,
             axis: law.axes[of_mesh.pulley],
-            plane: [plane.side, plane.middle],
+            plane: law.planes[of_mesh.pulley],
             length: Jet::constant(0.0)
                 .plus_scaled(TwoPulley::segment_length(frame, element.segment), element.length),
-            layer_drag: layers[of_mesh.pulley as usize],
-            rotation_drag: rotation_drag[of_mesh.pulley as usize],
+            layer_drag: drags.layers[of_mesh.pulley],
+            rotation_drag: drags.rotation[of_mesh.pulley],
         };
         let references: [Option<ReferencePoint<S::T>>; CELL_POINTS] = std::array::from_fn(|number| {
             (number <= of_mesh.stations.len())

@@ -5,8 +5,7 @@ use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, zero_vector};
 use nalgebra::SVector;
 
-/// Forces per length conjugate to the virtual motions of a mesh point. Sign: residual = inertia −
-/// forces.
+/// Forces per length (inertia − forces) conjugate to the virtual motions of a mesh point.
 #[derive(Clone, Copy, Debug)]
 pub struct LineLoad<T: Real, const D: usize = 2> {
     /// Conjugate to δr, N/m.
@@ -24,6 +23,7 @@ pub struct LineLoad<T: Real, const D: usize = 2> {
 impl<T: Real, const D: usize> LineLoad<T, D> {
     /// No force.
     #[inline(always)]
+    #[must_use]
     pub fn zero() -> Self {
         Self {
             position: zero_vector(),
@@ -44,10 +44,10 @@ impl<T: Real, const D: usize> LineLoad<T, D> {
             + in_plane(&self.bend).dot(&bend_theta)
     }
 
-    /// Conjugate to δΘ through the length of the element, where the overlay has this u' and u'',
+    /// Conjugate to δΘ through the length of the element, where u' is `slope` and u'' `bend`,
     /// N·m/m.
     #[inline(always)]
-    pub fn on_length(&self, [slope, bend]: [&SVector<T, D>; 2], element: &ElementMotion<T, D>) -> T {
+    pub fn on_length(&self, slope: &SVector<T, D>, bend: &SVector<T, D>, element: &ElementMotion<T, D>) -> T {
         let dilation = element.length.d * element.length.v.recip();
         -((self.slope.dot(slope) + self.bend.dot(bend) * 2.0) * dilation)
     }
@@ -67,6 +67,7 @@ pub struct ElementLoad<T: Real, const D: usize = 2> {
 impl<T: Real, const D: usize> ElementLoad<T, D> {
     /// No force.
     #[inline(always)]
+    #[must_use]
     pub fn zero() -> Self {
         Self {
             d: [zero_vector(); 4],
@@ -89,7 +90,7 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
         self.s += load.drift * weight;
         let slope = point.slope - embed(reference.t);
         let bend = point.bend - embed(reference.n * reference.kappa);
-        self.theta += (load.on_curve(reference) + load.on_length([&slope, &bend], element)) * weight;
+        self.theta += (load.on_curve(reference) + load.on_length(&slope, &bend, element)) * weight;
         self.add_to_overlay(load, shape, element, weight);
     }
 
@@ -116,8 +117,7 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
         }
     }
 
-    /// The variation of the force on Θ of [`ElementLoad::nodes`] where component `k` of a node's
-    /// slope varies by `by` and the loads do not.
+    /// Variation of the conjugate of Θ where component `k` of a node's slope alone varies, by `by`.
     #[inline(always)]
     pub fn slope_varied(&self, node: usize, k: usize, by: f64, element: &ElementMotion<T, D>) -> T {
         self.d[2 * node + 1][k] * element.length.d * by
@@ -131,7 +131,7 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
             a: self.d[2 * i],
             b: self.d[2 * i + 1] * l.v,
         };
-        let of_slopes = self.d[1].dot(&element.slopes[0]) + self.d[3].dot(&element.slopes[1]);
-        ([node(0), node(1)], self.theta + of_slopes * l.d)
+        let slope_theta = self.d[1].dot(&element.slopes[0]) + self.d[3].dot(&element.slopes[1]);
+        ([node(0), node(1)], self.theta + slope_theta * l.d)
     }
 }

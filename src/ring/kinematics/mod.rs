@@ -1,5 +1,5 @@
-//! Kinematics of the ALE ring on a mesh that moves with Θ (paper 3, eq. (10) to (12)), and the
-//! virtual power conjugate to it.
+//! Kinematics of the ALE ring on a mesh that moves with Θ (paper 3, eq. (10) to (12)), and its
+//! virtual power.
 //!
 //! Position r = R(ξ, Θ) + B q_f (10) with A_i = identity and cubic Hermite functions (paper 5.2) on
 //! elements whose borders follow the arc borders. The reference curve is planar. The deflection has
@@ -17,8 +17,8 @@ mod motion;
 mod point;
 
 pub use load::{ElementLoad, LineLoad};
-pub use motion::{ElementMotion, Hermite, Motion, Node, ReferenceMotion, combine};
-pub use point::{RingPoint, RingVariation};
+pub use motion::{ElementMotion, Hermite, Motion, Node, PointMotion, ReferenceMotion, WithRate, combine};
+pub use point::{NodalUnknown, RingPoint, RingVariation};
 
 use crate::scalar::{Real, turn_right};
 use nalgebra::{SVector, Vector2};

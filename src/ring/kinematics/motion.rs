@@ -5,8 +5,7 @@ use crate::scalar::Real;
 use nalgebra::SVector;
 use std::ops::Mul;
 
-/// Cubic Hermite functions of the element at a local coordinate x ∈ [−1, 1] (paper 5.2), and their
-/// x derivatives.
+/// Cubic Hermite functions at a local coordinate x ∈ [−1, 1] (paper 5.2), and their x derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Hermite<L = f64> {
     /// Values N_k.
@@ -39,8 +38,7 @@ impl<L: Real> Hermite<L> {
     }
 }
 
-/// Σ weights·d. The weights are mesh constants or, where the mesh moves past a fixed place, of the
-/// type of d.
+/// Σ weights·d.
 #[inline(always)]
 pub fn combine<T: Real + Mul<W, Output = T>, W: Copy, const D: usize>(
     weights: &[W; 4],
@@ -60,6 +58,15 @@ pub struct Node<T: Real, const D: usize = 2> {
     pub b: SVector<T, D>,
 }
 
+/// A quantity and its rate.
+#[derive(Clone, Copy, Debug)]
+pub struct WithRate<T> {
+    /// The quantity itself.
+    pub value: T,
+    /// Its rate.
+    pub rate: T,
+}
+
 /// A quantity with its first and second time derivative at fixed η.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<T> {
@@ -72,13 +79,15 @@ pub struct Motion<T> {
 }
 
 impl<T: Real> Motion<T> {
-    /// First and second time derivative of a function `of` Θ, whose motion this is.
+    /// Motion of a function of Θ, whose motion this is.
     #[inline(always)]
-    pub fn rates(&self, of: &Jet<T>) -> [T; 2] {
-        [
-            of.d * self.rate,
-            of.dd * self.rate * self.rate + of.d * self.acceleration,
-        ]
+    #[must_use]
+    pub fn chain_rule(&self, function: &Jet<T>) -> Self {
+        Self {
+            value: function.v,
+            rate: function.d * self.rate,
+            acceleration: function.dd * self.rate * self.rate + function.d * self.acceleration,
+        }
     }
 }
 
@@ -94,14 +103,46 @@ pub struct ReferenceMotion<T> {
 }
 
 impl<T: Real> ReferenceMotion<T> {
-    /// Speed w = ṡ − ξ_Θ Θ̇ of the material relative to a mesh point, m/s, and its rate, m/s².
+    /// Speed w = ṡ − ξ_Θ Θ̇ of the material relative to a mesh point, m/s.
     #[inline(always)]
-    pub fn material_speed(&self, xi: &Jet<T>) -> (T, T) {
+    pub fn material_speed(&self, xi: &Jet<T>) -> WithRate<T> {
         let (rate, acceleration) = (self.theta.rate, self.theta.acceleration);
-        (
-            self.s_dot - xi.d * rate,
-            self.s_ddot - xi.d * acceleration - xi.dd * rate * rate,
-        )
+        WithRate {
+            value: self.s_dot - xi.d * rate,
+            rate: self.s_ddot - xi.d * acceleration - xi.dd * rate * rate,
+        }
+    }
+}
+
+/// Place and motion of a mesh point, or parts of them.
+#[derive(Clone, Copy, Debug)]
+pub struct PointMotion<V> {
+    /// r, m.
+    pub r: V,
+    /// ṙ, m/s.
+    pub r_dot: V,
+    /// r̈, m/s².
+    pub r_ddot: V,
+    /// r'.
+    pub slope: V,
+    /// (r')˙, 1/s.
+    pub slope_dot: V,
+    /// r'', 1/m.
+    pub bend: V,
+}
+
+impl<V> PointMotion<V> {
+    /// `f` of each vector and of that of `other`.
+    #[inline(always)]
+    pub fn zip<U, W>(self, other: PointMotion<U>, f: impl Fn(V, U) -> W) -> PointMotion<W> {
+        PointMotion {
+            r: f(self.r, other.r),
+            r_dot: f(self.r_dot, other.r_dot),
+            r_ddot: f(self.r_ddot, other.r_ddot),
+            slope: f(self.slope, other.slope),
+            slope_dot: f(self.slope_dot, other.slope_dot),
+            bend: f(self.bend, other.bend),
+        }
     }
 }
 
@@ -110,8 +151,7 @@ impl<T: Real> ReferenceMotion<T> {
 pub struct ElementMotion<T: Real, const D: usize = 2> {
     /// Element length l(Θ), m.
     pub length: Jet<T>,
-    /// l̇, m/s, and l̈, m/s².
-    pub(super) length_rates: [T; 2],
+    pub(super) length_motion: Motion<T>,
     d: Motion<[SVector<T, D>; 4]>,
     /// Slopes b of the two nodes.
     pub(super) slopes: [SVector<T, D>; 2],
@@ -121,7 +161,12 @@ impl<T: Real, const D: usize> ElementMotion<T, D> {
     /// An element between two nodes.
     #[inline(always)]
     pub fn new(length: Jet<T>, theta: &Motion<T>, nodes: &[Motion<Node<T, D>>; 2]) -> Self {
-        let (l, [l_dot, l_ddot]) = (length.v, theta.rates(&length));
+        let length_motion = theta.chain_rule(&length);
+        let Motion {
+            value: l,
+            rate: l_dot,
+            acceleration: l_ddot,
+        } = length_motion;
         let [[a_1, b_1], [a_2, b_2]] = nodes.each_ref().map(|node| {
             let (b, b_dot, b_ddot) = (node.value.b, node.rate.b, node.acceleration.b);
             let slope = [
@@ -133,7 +178,7 @@ impl<T: Real, const D: usize> ElementMotion<T, D> {
         });
         Self {
             length,
-            length_rates: [l_dot, l_ddot],
+            length_motion,
             d: Motion {
                 value: [a_1[0], b_1[0], a_2[0], b_2[0]],
                 rate: [a_1[1], b_1[1], a_2[1], b_2[1]],
@@ -143,19 +188,19 @@ impl<T: Real, const D: usize> ElementMotion<T, D> {
         }
     }
 
-    /// Overlay u, u̇, ü, u', (u')˙ and u'' where the shape functions are `shape`.
+    /// Overlay u where the shape functions are `shape`.
     #[inline(always)]
-    pub fn overlay(&self, shape: &Hermite<T::Constant>) -> [SVector<T, D>; 6] {
+    pub fn overlay(&self, shape: &Hermite<T::Constant>) -> PointMotion<SVector<T, D>> {
         let d = &self.d;
         let g = self.length.v.recip() * 2.0;
         let slope = combine(&shape.dn, &d.value) * g;
-        [
-            combine(&shape.n, &d.value),
-            combine(&shape.n, &d.rate),
-            combine(&shape.n, &d.acceleration),
+        PointMotion {
+            r: combine(&shape.n, &d.value),
+            r_dot: combine(&shape.n, &d.rate),
+            r_ddot: combine(&shape.n, &d.acceleration),
             slope,
-            combine(&shape.dn, &d.rate) * g - slope * (self.length_rates[0] * g * 0.5),
-            combine(&shape.ddn, &d.value) * (g * g),
-        ]
+            slope_dot: combine(&shape.dn, &d.rate) * g - slope * (self.length_motion.rate * g * 0.5),
+            bend: combine(&shape.ddn, &d.value) * (g * g),
+        }
     }
 }

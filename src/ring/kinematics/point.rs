@@ -1,6 +1,9 @@
 //! The ring at a mesh point, and its derivatives in one direction.
 
-use super::{ElementMotion, Hermite, Motion, ReferenceMotion, cross, embed, in_plane, inward_normal};
+use super::{
+    ElementMotion, Hermite, Motion, PointMotion, ReferenceMotion, WithRate, cross, embed, in_plane,
+    inward_normal,
+};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::scalar::{Real, turn_right, zero_vector};
 use crate::solver::Factors;
@@ -40,53 +43,65 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
 }
 
 impl<T: Real> RingPoint<T> {
-    /// Kinematics of a ring that follows the reference curve, which has this growth δ.
+    /// The ring on the reference curve, which has this growth δ.
     #[inline(always)]
     pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>, growth: &Jet<T>) -> Self {
         let rate = motion.theta.rate;
-        let [r, r_dot, r_ddot, ..] = Self::on_curve(&reference, &motion.theta);
         let stretch = growth.v * reference.kappa + 1.0;
         let stretch_dot = (growth.d * reference.kappa + growth.v * reference.kappa_theta) * rate;
-        let slope = reference.t * stretch;
-        let slope_dot = reference.n * (reference.chi_theta * rate * stretch) + reference.t * stretch_dot;
-        let bend = reference.n * (reference.kappa * stretch);
+        let place = PointMotion {
+            slope: reference.t * stretch,
+            slope_dot: reference.n * (reference.chi_theta * rate * stretch) + reference.t * stretch_dot,
+            bend: reference.n * (reference.kappa * stretch),
+            ..Self::on_curve(&reference, &motion.theta)
+        };
         Self {
             stretch,
             inverse_stretch: stretch.recip(),
             t: reference.t,
             normals: [reference.n, zero_vector()],
             strain_gradient: T::zero(),
-            ..Self::of_motion(reference, [r, r_dot, r_ddot, slope, slope_dot, bend], motion)
+            ..Self::from_motion(reference, place, motion)
         }
     }
 }
 
 impl<T: Real, const D: usize> RingPoint<T, D> {
-    /// r, ṙ, r̈, r', (r')˙ and r'' of the reference curve.
+    /// A mesh point on the reference curve.
     #[inline(always)]
-    pub fn on_curve(reference: &ReferencePoint<T>, theta: &Motion<T>) -> [SVector<T, D>; 6] {
+    pub fn on_curve(reference: &ReferencePoint<T>, theta: &Motion<T>) -> PointMotion<SVector<T, D>> {
         let (rate, acceleration) = (theta.rate, theta.acceleration);
-        [
-            embed(reference.r),
-            embed(reference.r_theta * rate),
-            embed(reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration),
-            embed(reference.t),
-            embed(reference.n * (reference.chi_theta * rate)),
-            embed(reference.n * reference.kappa),
-        ]
+        PointMotion {
+            r: embed(reference.r),
+            r_dot: embed(reference.r_theta * rate),
+            r_ddot: embed(reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration),
+            slope: embed(reference.t),
+            slope_dot: embed(reference.n * (reference.chi_theta * rate)),
+            bend: embed(reference.n * reference.kappa),
+        }
     }
 
-    /// The ring with these r, ṙ, r̈, r', (r')˙ and r''.
+    /// The ring at a mesh point that moves so, where the curve has this `motion`.
     #[inline(always)]
-    pub fn of_motion(
+    pub fn from_motion(
         reference: ReferencePoint<T>,
-        [r, r_dot, r_ddot, slope, slope_dot, bend]: [SVector<T, D>; 6],
+        PointMotion {
+            r,
+            r_dot,
+            r_ddot,
+            slope,
+            slope_dot,
+            bend,
+        }: PointMotion<SVector<T, D>>,
         motion: &ReferenceMotion<T>,
     ) -> Self {
         let (stretch, inverse_stretch) = slope.dot(&slope).root_and_inverse();
         let t = slope * inverse_stretch;
         let n = inward_normal(&t);
-        let (w, w_dot) = motion.material_speed(&reference.xi);
+        let WithRate {
+            value: w,
+            rate: w_dot,
+        } = motion.material_speed(&reference.xi);
         Self {
             reference,
             r,
@@ -105,8 +120,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
         }
     }
 
-    /// The ring in an element where its shape functions are `shape`: reference curve and overlay
-    /// (10).
+    /// The ring where its shape functions are `shape`: reference curve and overlay (10).
     #[inline(always)]
     pub fn new(
         reference: ReferencePoint<T>,
@@ -116,7 +130,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
     ) -> Self {
         let curve = Self::on_curve(&reference, &motion.theta);
         let overlay = element.overlay(shape);
-        Self::of_motion(reference, std::array::from_fn(|k| curve[k] + overlay[k]), motion)
+        Self::from_motion(reference, curve.zip(overlay, |curve, overlay| curve + overlay), motion)
     }
 
     /// Ring velocity v (12), m/s.
@@ -145,6 +159,15 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
     pub fn strain_rate(&self) -> T {
         self.t.dot(&self.slope_dot) + self.w * self.strain_gradient
     }
+}
+
+/// An unknown of a node of an element.
+#[derive(Clone, Copy, Debug)]
+pub struct NodalUnknown {
+    /// Its shape function, 0 to 3.
+    pub function: usize,
+    /// Its component.
+    pub component: usize,
 }
 
 /// Derivatives of a [`RingPoint`] in a direction that changes neither the reference curve nor the
@@ -176,6 +199,7 @@ pub struct RingVariation<T: Real, const D: usize = 2> {
 impl<T: Real, const D: usize> RingVariation<T, D> {
     /// No variation.
     #[inline(always)]
+    #[must_use]
     pub fn none() -> Self {
         let zero = zero_vector();
         Self {
@@ -192,25 +216,31 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         }
     }
 
-    /// The variation with component `k` of the nodal unknown of shape function `m`. `alpha` and
-    /// `beta` are the derivatives of its acceleration and its position with respect to its rate.
+    /// The variation with an unknown of a node.
     #[inline(always)]
-    pub fn of_node(
+    pub fn new(
         point: &RingPoint<T, D>,
         shape: &Hermite<T::Constant>,
         element: &ElementMotion<T, D>,
-        [m, k]: [usize; 2],
+        NodalUnknown {
+            function,
+            component: k,
+        }: NodalUnknown,
         Factors { alpha, beta }: Factors,
     ) -> Self {
-        let (l, [l_dot, l_ddot]) = (element.length.v, element.length_rates);
+        let Motion {
+            value: l,
+            rate: l_dot,
+            acceleration: l_ddot,
+        } = element.length_motion;
         // d = b l for the slope of a node, d = a for its deflection.
-        let (d, d_dot, d_ddot) = if m % 2 == 1 {
+        let (d, d_dot, d_ddot) = if function % 2 == 1 {
             (l * beta, l + l_dot * beta, l * alpha + l_dot * 2.0 + l_ddot * beta)
         } else {
             (T::from(beta), T::one(), T::from(alpha))
         };
         let g = l.recip() * 2.0;
-        let (n, dn, ddn) = (shape.n[m], shape.dn[m], shape.ddn[m]);
+        let (n, dn, ddn) = (shape.n[function], shape.dn[function], shape.ddn[function]);
         let mut v = Self::none();
         let slope = d * dn * g;
         v.r[k] = d * n;

@@ -6,7 +6,7 @@ use crate::scalar::{Lanes, along};
 use crate::stack::Transport;
 use crate::variator::assembly::kinds::rows;
 use crate::variator::cell::degrees::{DegreesOfFreedom, MOST, MOST_ROWS};
-use crate::variator::cell::laws::{ARGUMENTS, Arguments, FORCES, OfLaws, Tangents, sizes};
+use crate::variator::cell::laws::{ARGUMENTS, Arguments, FORCES, OfLaws, Tangents, argument_count};
 use crate::variator::cell::variation::{Direction, Linearised};
 use crate::variator::rings::ring::VaryingRing;
 use num_traits::Zero;
@@ -129,7 +129,7 @@ impl Columns<'_> {
         let laws = right.len() / (ARGUMENTS * width);
         for (law, right) in right.chunks_exact_mut(ARGUMENTS * width).enumerate() {
             // The other arguments are zero, and remain so.
-            let [_, count] = sizes::<D>(law, laws);
+            let count = argument_count::<D>(law, laws);
             for (argument, right) in arguments[law][..count].iter().zip(right.chunks_exact_mut(width)) {
                 right[direction] = value(*argument);
             }

@@ -50,7 +50,7 @@ pub(crate) fn differentiate<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
             let (tangents, forces) = &*seen.borrow();
             into.derivatives.set_tangents(tangents, frames.update);
             if let (false, true, Some(ring)) = (frames.update, frames.by_hand, K::by_hand(ring)) {
-                let linear = Linearised::new(ring, given, cell, (points, forces, tangents), frames.factors);
+                let linear = Linearised::new(ring, given, cell, points, forces, tangents, frames.factors);
                 into.record_by_hand::<K, _, D>(&linear);
             }
         },

@@ -10,8 +10,10 @@ use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::degrees::{DeflectingRing, DegreesOfFreedom, GuidedRing, MOST_ROWS};
 use crate::variator::cell::sample::AtStation;
-use crate::variator::cell::state::{CellInput, CellPoints, CellState};
-use crate::variator::law::arguments::{CellBalance, CellGeometry, CellMotion, StateComponent};
+use crate::variator::cell::state::{CellPoints, CellState};
+use crate::variator::law::arguments::{
+    CellBalance, CellGeometry, CellInput, CellMotion, FirstUnknowns, StateComponent,
+};
 use crate::variator::rings::deflecting::Deflecting;
 use crate::variator::rings::guided::Guided;
 use crate::variator::rings::ring::{EulerianRing, RingForces, VaryingRing};
@@ -148,7 +150,12 @@ pub(crate) fn motion<T: Real, K: DegreesOfFreedom>(
     unknown: impl Fn(StateComponent, usize) -> T,
 ) -> CellMotion<T> {
     let degrees = K::DEGREES;
-    let mut motion = CellMotion::of_unknowns([degrees.nodes, degrees.drift, degrees.sheave], unknown);
+    let first = FirstUnknowns {
+        own: degrees.nodes,
+        drift: degrees.drift,
+        sheave: degrees.sheave,
+    };
+    let mut motion = CellMotion::from_unknowns(first, unknown);
     if degrees.coordinates > 1 {
         // The curve holds derivatives along the motion, so time replaces Θ.
         (motion.reference.theta.rate, motion.reference.theta.acceleration) = (T::one(), T::zero());

@@ -1,7 +1,7 @@
 //! Packs of cells, one in each lane of a register: their places on the belt and the indices of
 //! their unknowns.
 
-use crate::pulley::Pulley;
+use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{Jet, MeshCurve};
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::{Element, parts};
@@ -11,7 +11,7 @@ use crate::solver::arrow::{Arrow, Shape};
 use crate::variator::belt::Belt;
 use crate::variator::belt::sums::ResultantDerivatives;
 use crate::variator::cell::degrees::{DegreesOfFreedom, MOST, MOST_ROWS};
-use crate::variator::law::arguments::{CellGeometry, CellLaw};
+use crate::variator::law::arguments::{CellGeometry, CellLaw, Extent, SheavePlane};
 use crate::variator::mesh::belt_mesh::{Group, Station};
 use num_traits::Zero;
 use std::sync::Arc;
@@ -46,11 +46,11 @@ struct Strip {
 pub(crate) struct Pack {
     pub group: Group,
     pub segment: usize,
-    /// Start and length of the elements as fractions of the segment.
-    pub of_segment: [Lanes; 2],
+    /// Places of the elements.
+    pub extent: Extent<Lanes>,
     points: Arc<PackStations>,
     axis: Lanes,
-    plane: [Lanes; 2],
+    plane: SheavePlane<Lanes>,
     /// Unknowns of the directions.
     pub at: [[usize; LANES]; MOST],
     /// Places of the derivatives in the matrix.
@@ -68,18 +68,17 @@ impl Pack {
         let arcs = C::arcs(frame);
         let drags = law.arc_drags(arcs.radius.map(|radius| radius.v), arcs.wraps());
         let on = &self.group.on;
-        let [layer_drag, rotation_drag] =
-            drags.map(|[secondary, primary]| secondary * on.secondary + primary * on.primary);
+        let mean = |drag: PerPulley<T>| drag.secondary * on.secondary + drag.primary * on.primary;
         CellGeometry {
-            of_segment: self.of_segment,
+            extent: self.extent,
             face: &self.points.face,
             stations: &self.points.stations,
             axis: self.axis,
             plane: self.plane,
             length: Jet::constant(0.0)
-                .plus_scaled(C::segment_length(frame, self.segment), self.of_segment[1]),
-            layer_drag,
-            rotation_drag,
+                .plus_scaled(C::segment_length(frame, self.segment), self.extent.length),
+            layer_drag: mean(drags.layers),
+            rotation_drag: mean(drags.rotation),
         }
     }
 
@@ -271,16 +270,16 @@ pub(crate) fn packs<K: DegreesOfFreedom>(belt: &Belt) -> Vec<Pack> {
         Pack {
             group: group.clone(),
             segment: mesh.elements[member[0].element].segment,
-            of_segment: [
-                lanes(&|element| mesh.elements[element].start),
-                lanes(&|element| mesh.elements[element].length),
-            ],
+            extent: Extent {
+                start: lanes(&|element| mesh.elements[element].start),
+                length: lanes(&|element| mesh.elements[element].length),
+            },
             points: points_of(group.cells),
             axis: of_pulley(&|pulley| belt.law.axes[pulley]),
-            plane: [
-                of_pulley(&|pulley| belt.law.planes[pulley].side),
-                of_pulley(&|pulley| belt.law.planes[pulley].middle),
-            ],
+            plane: SheavePlane {
+                side: of_pulley(&|pulley| belt.law.planes[pulley].side),
+                middle: of_pulley(&|pulley| belt.law.planes[pulley].middle),
+            },
             at: std::array::from_fn(|k| at.map(|at| at[k])),
             strips: strips::<K>(&shape, &at),
         }

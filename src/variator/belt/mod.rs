@@ -5,7 +5,7 @@ pub(crate) mod equations;
 pub(crate) mod ring;
 pub(crate) mod sums;
 
-use crate::pulley::{PerPulley, Pulley};
+use crate::pulley::{PerPulley, Pulley, Wedge};
 use crate::reference_curve::{COORDINATES, Jet, Path, ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::solver::View;
 use crate::variator::belt::ring::BeltRing;
@@ -85,7 +85,11 @@ impl Belt {
                     parameters.ring.mass_per_length
                 },
                 contact: parameters.contact.clone(),
-                wedge: [sin, cos, sin / cos],
+                wedge: Wedge {
+                    sin,
+                    cos,
+                    tan: sin / cos,
+                },
                 r0: radius - parameters.belt.pitch_offset,
                 axes: PerPulley {
                     secondary: 0.0,

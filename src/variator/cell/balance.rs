@@ -4,28 +4,26 @@
 //! force)·δ(its own point)
 //!    − ∫ f_r δ(sliding of ring on elements) − ∫ f_l δ(ring along itself) + ∫ f_s δV = 0.
 //!
-//! Each force is multiplied by the velocity Jacobian of its own point: tangential flank forces at
-//! the pitch line (v_p), radial ones at the ring centre line (v_e), ring friction at the difference
-//! of ring and element velocity there, drag of the ring's layers at the ring alone, drag of
-//! elements that start to turn at V alone, the push force at the shortening of the stack. Power
-//! between ring, stack and pulleys and moments on the arcs are thus balanced.
+//! Each force acts on the velocity of its own point: tangential flank forces on that at the pitch
+//! line (v_p), radial ones on that at the ring centre line (v_e), ring friction on the difference
+//! of ring and element velocity there, drag of the ring's layers on that of the ring, drag of
+//! elements that start to turn on V, the push force on the shortening of the stack. Power between
+//! ring, stack and pulleys and moments on the arcs are thus balanced.
 //!
-//! A pull chain has neither stack nor ring friction. Its pins move with the ring, which stands for
-//! the whole chain: forces along the belt act on the ring.
+//! A pull chain has neither stack nor ring friction. Its pins move with the ring, on which the
+//! forces along the belt act.
 
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
 use crate::stack::Transport;
 use crate::variator::cell::sample::AtStation;
-use crate::variator::cell::state::{
-    CellInput, CellPoints, CellState, StationForces, StationState, stack_at_face,
-};
-use crate::variator::law::arguments::{CellBalance, PulleyLoad};
+use crate::variator::cell::state::{CellPoints, CellState, StationForces, StationState, stack_at_face};
+use crate::variator::law::arguments::{CellBalance, CellInput, PulleyLoad};
 use crate::variator::rings::ring::{CellRing, StationLoad};
 
-/// The balance of a cell, or of one in each lane of `T`, with this `ring`, and the state of the
-/// cell. `reference` returns the reference curve at the face (0) and at the stations (1 and up);
-/// fills the empty `points`; calls `observe` at every station.
+/// The balance of a cell, or of one in each lane of `T`, with this `ring`, and its state.
+/// `reference` returns the reference curve at the face (0) and at the stations (1 and up). Fills
+/// the empty `points`, and calls `observe` at every station.
 #[inline(always)]
 pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
     given: &CellInput<'_, T>,
@@ -52,8 +50,8 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
     };
     for (i, station) in points.stations.iter().enumerate() {
         let Some(station) = station else { continue };
-        let forces = StationForces::new(given, &cell, (i, station), ring, push.force);
-        apply(given, (i, station), &forces, ring, &mut out);
+        let forces = StationForces::new(given, &cell, i, station, ring, push.force);
+        apply(given, i, station, &forces, ring, &mut out);
         observe(&AtStation {
             given,
             cell: &cell,
@@ -72,7 +70,8 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
 #[inline(always)]
 fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     given: &CellInput<'_, T>,
-    (i, station): (usize, &StationState<T, D>),
+    i: usize,
+    station: &StationState<T, D>,
     forces: &StationForces<T, D>,
     ring: &mut R,
     out: &mut CellBalance<T>,

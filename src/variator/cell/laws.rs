@@ -1,7 +1,6 @@
 //! The constitutive laws of a cell: flanks, friction between ring and elements, stack. Their
-//! tangents change by orders of magnitude where a gap closes or a cell begins to slide. Each law
-//! has forces and arguments. Its contribution to the derivatives of the balance is a sum of
-//! products L S R:
+//! tangents change by orders of magnitude where a gap closes or a cell begins to slide. The
+//! contribution of a law to the derivatives of the balance is a sum of products L S R:
 //!
 //! - R, the derivative of an argument in a direction, and L, the derivative of the rows with
 //!   respect to a force: geometry.
@@ -11,17 +10,18 @@
 //! ([`Derivatives`](crate::variator::assembly::derivatives::Derivatives)).
 
 use crate::contact::{FlankMotion, flank_force};
+use crate::ring::kinematics::WithRate;
 use crate::scalar::{Lanes, Real, Tangent};
 use crate::stack::push_force;
 use crate::variator::cell::sample::AtStation;
 use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
 
-/// Most forces of a law, and most arguments; those that a law does not have are zero.
+/// Most forces and arguments of a law; those that a law does not have are zero.
 ///
 /// | law | forces | arguments |
 /// |---|---|---|
-/// | flank | normal, circumferential friction, friction along the flank | penetration, penetration rate, circumferential sliding, sliding along |
+/// | flank | normal, circumferential friction, friction along the flank | penetration, its rate, circumferential sliding, sliding along |
 /// | ring | friction on the elements | T − m_r ṡ², sliding speed |
 /// | stack | push force | density, its material rate |
 pub(crate) const FORCES: usize = 3;
@@ -31,13 +31,13 @@ pub(crate) const ARGUMENTS: usize = 4;
 /// sheave, in space of that on the fixed sheave, and of the ring; then of the stack.
 pub type OfLaws<V> = [V; 3 * STATIONS + 1];
 
-/// Numbers of forces and arguments of a law, the last of which is the stack's.
+/// Number of arguments of a law; the last of the `laws` is the stack's.
 #[inline(always)]
-pub(crate) fn sizes<const D: usize>(law: usize, laws: usize) -> [usize; 2] {
+pub(crate) fn argument_count<const D: usize>(law: usize, laws: usize) -> usize {
     if law % D < D - 1 && law + 1 < laws {
-        [FORCES, ARGUMENTS]
+        ARGUMENTS
     } else {
-        [1, 2]
+        2
     }
 }
 
@@ -48,15 +48,24 @@ pub(crate) type Arguments<T> = [T; ARGUMENTS];
 /// Tangents of each force with respect to the arguments.
 pub type Tangents = [Arguments<Lanes>; FORCES];
 
-/// The two arguments of the ring's law or of the stack's.
+/// Two values of the law of ring or stack.
 #[inline(always)]
-pub(crate) fn of_two<T: Real>([first, second]: [T; 2]) -> Arguments<T> {
+fn padded<T: Real>([first, second]: [T; 2]) -> Arguments<T> {
     [first, second, T::zero(), T::zero()]
 }
 
-/// The arguments of a flank's law.
 #[inline(always)]
-pub(crate) fn of_flank<T: Copy>(motion: &FlankMotion<T>) -> Arguments<T> {
+pub(crate) fn ring_arguments<T: Real>(pressing: T, sliding: T) -> Arguments<T> {
+    padded([pressing, sliding])
+}
+
+#[inline(always)]
+pub(crate) fn stack_arguments<T: Real>(density: WithRate<T>) -> Arguments<T> {
+    padded([density.value, density.rate])
+}
+
+#[inline(always)]
+pub(crate) fn flank_arguments<T: Copy>(motion: &FlankMotion<T>) -> Arguments<T> {
     [
         motion.penetration,
         motion.penetration_rate,
@@ -77,22 +86,24 @@ pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &At
     let (law, friction, forces) = (at.given.law, at.given.friction, at.forces);
     let first = at.index * D;
     for (to, motion) in to[first..][..D - 1].iter_mut().zip(&forces.flanks.motions) {
-        let [penetration, penetration_rate, tangential, along_flank] = seeded(of_flank(motion));
+        let [penetration, penetration_rate, tangential, along_flank] = seeded(flank_arguments(motion));
         let motion = FlankMotion {
             penetration,
             penetration_rate,
             tangential,
             along_flank,
         };
-        let force = flank_force(&law.contact, friction, law.wedge[1], &motion);
+        let force = flank_force(&law.contact, friction, law.wedge.cos, &motion);
         *to = [force.normal.eps, force.tangential.eps, force.along_flank.eps];
     }
     let kappa = Tangent::constant(at.station.ring.reference.kappa);
     let [pressing, sliding] = seeded([forces.pressing, forces.sliding]);
-    to[first + D - 1][0] = of_two(ring_friction(friction, pressing, kappa, sliding).eps);
+    to[first + D - 1][0] = padded(ring_friction(friction, pressing, kappa, sliding).eps);
     if at.index == 0 && !law.is_pull_chain() {
-        let push = push_force(&law.stack, seeded(at.cell.stack_arguments()));
-        to[at.given.geometry.stations.len() * D][0] = of_two(push.force.eps);
+        let density = at.cell.density_with_rate();
+        let [value, rate] = seeded([density.value, density.rate]);
+        let push = push_force(&law.stack, WithRate { value, rate });
+        to[at.given.geometry.stations.len() * D][0] = padded(push.force.eps);
     }
 }
 
@@ -104,8 +115,8 @@ pub(crate) fn record_arguments<T: Real, const D: usize>(
 ) {
     let first = at.index * D;
     for (to, motion) in to[first..][..D - 1].iter_mut().zip(&at.forces.flanks.motions) {
-        *to = of_flank(motion);
+        *to = flank_arguments(motion);
     }
-    to[first + D - 1] = of_two([at.forces.pressing, at.forces.sliding]);
-    to[at.given.geometry.stations.len() * D] = of_two(at.cell.stack_arguments());
+    to[first + D - 1] = ring_arguments(at.forces.pressing, at.forces.sliding);
+    to[at.given.geometry.stations.len() * D] = stack_arguments(at.cell.density_with_rate());
 }

@@ -5,17 +5,19 @@ use crate::ring::ale::RingDensity;
 use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::{Lanes, Real};
 use crate::stack::Push;
-use crate::variator::cell::state::{CellInput, CellState, StationForces, StationState};
+use crate::variator::cell::state::{CellState, StationForces, StationState};
+use crate::variator::law::arguments::CellInput;
 use nalgebra::Vector2;
 
-/// Values at a station for outputs, losses and energies: of one cell, or of one in each lane of
-/// `L`.
+/// Values at a station of a cell, or of one in each lane of `L`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample<L = f64> {
     /// Coordinate ξ of the station, m.
     pub xi: L,
-    /// Reference curvature κ there and at the left face of the cell, 1/m: 0 on a strand.
-    pub curvature: [L; 2],
+    /// Reference curvature κ there, 1/m: 0 on a strand.
+    pub curvature: L,
+    /// Reference curvature at the left face of the cell, 1/m.
+    pub face_curvature: L,
     /// Curvature κ̂ of the deflected ring in the plane, per dξ, 1/m.
     pub ring_curvature: L,
     /// Quadrature weight dξ, m.
@@ -44,24 +46,25 @@ pub struct Sample<L = f64> {
     pub resultant: [L; 2],
     /// Tangential sliding speed, m/s.
     pub sliding: L,
-    /// Distance of the ring from the middle of the pulley, towards its movable sheave, m; 0 in the
-    /// plane.
+    /// Distance of the ring from the middle of the pulley, towards its movable sheave, m.
     pub offset: L,
-    /// Deflection w along z, m, and its slope w'.
-    pub lateral: [L; 2],
+    /// Deflection w along z, m.
+    pub lateral: L,
+    /// Its slope w'.
+    pub lateral_slope: L,
     /// Flow J through the mesh, m/s.
     pub flow: L,
     /// Speed V of the elements, m/s.
     pub speed: L,
-    /// Loss to sheave friction, W/m.
+    /// Loss by friction on the sheaves, W/m.
     pub sheave_loss: L,
-    /// Loss to ring friction, W/m.
+    /// Loss by friction of the ring on the elements, W/m.
     pub ring_loss: L,
-    /// Loss to friction between the layers of the ring, W/m.
+    /// Loss by friction between the layers of the ring, W/m.
     pub layer_loss: L,
-    /// Loss to elements that start and stop turning, W/m.
+    /// Loss by elements that start and stop turning, W/m.
     pub rotation_loss: L,
-    /// Loss to structural, stack and contact damping, W/m.
+    /// Loss by damping of ring, stack and contact, W/m.
     pub damping_loss: L,
     /// Kinetic energy, J/m.
     pub kinetic: L,
@@ -77,15 +80,15 @@ pub struct Sample<L = f64> {
 macro_rules! for_each_figure {
     ($with:ident) => {
         $with! {
-            xi, curvature[0], curvature[1], ring_curvature, weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque, resultant[0], resultant[1],
-            sliding, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, rotation_loss, damping_loss,
+            xi, curvature, face_curvature, ring_curvature, weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque, resultant[0], resultant[1],
+            sliding, offset, lateral, lateral_slope, flow, speed, sheave_loss, ring_loss, layer_loss, rotation_loss, damping_loss,
             kinetic, ring_elastic, flank_elastic, outward
         }
     };
 }
 
 impl Sample<Lanes> {
-    /// The sample of the cell in a lane. Inlining removes reads of unused values.
+    /// The sample of the cell in a lane.
     #[inline(always)]
     #[must_use]
     pub fn get(&self, lane: usize) -> Sample {
@@ -110,7 +113,7 @@ impl Sample {
     /// Whether the station lies on an arc.
     #[must_use]
     pub fn on_arc(&self) -> bool {
-        self.curvature[0] > 0.0
+        self.curvature > 0.0
     }
 }
 
@@ -130,7 +133,7 @@ pub struct AtStation<'a, T: Real, const D: usize = 2> {
 }
 
 impl<T: Real, const D: usize> AtStation<'_, T, D> {
-    /// The values for outputs, losses and energies.
+    /// The values at the station.
     #[inline(always)]
     #[must_use]
     pub fn sample(&self) -> Sample<T> {
@@ -139,7 +142,7 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
             push,
             face,
             forces,
-            ring: of_ring,
+            ring,
             ..
         } = self;
         let StationState {
@@ -149,14 +152,20 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
         } = self.station;
         let (flanks, kinematics) = (&forces.flanks, &forces.kinematics);
         let flank_energy = |k: usize| {
-            let (contact, cos_beta) = (&self.given.law.contact, self.given.law.wedge[1]);
+            let (contact, cos_beta) = (&self.given.law.contact, self.given.law.wedge.cos);
             energy_density(contact, cos_beta, flanks.motions[k].penetration, flanks.forces[k].depth)
+        };
+        let (lateral, lateral_slope) = if D == 2 {
+            (T::zero(), T::zero())
+        } else {
+            (point.r[D - 1], point.slope[D - 1])
         };
         let stack_loss = -(push.viscous * cell.lengthening * cell.inverse_length);
         let from_axis = in_plane(&face.r) - Vector2::new(T::constant(self.given.geometry.axis), T::zero());
         Sample {
             xi: point.reference.xi.v,
-            curvature: [point.reference.kappa, face.reference.kappa],
+            curvature: point.reference.kappa,
+            face_curvature: face.reference.kappa,
             ring_curvature: stack.curvature[0],
             weight: *weight,
             r: [point.r[0], point.r[1]],
@@ -174,20 +183,17 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
                 .into(),
             sliding: kinematics.flank.tangential,
             offset: flanks.offset,
-            lateral: if D == 2 {
-                [T::zero(); 2]
-            } else {
-                [point.r[D - 1], point.slope[D - 1]]
-            },
+            lateral,
+            lateral_slope,
             flow: stack.flow,
             speed: stack.speed,
             sheave_loss: flanks.sum.loads.loss,
             ring_loss: forces.ring_friction * forces.sliding,
             layer_loss: forces.layer_drag * forces.ring_speed,
             rotation_loss: forces.rotation_drag * stack.speed,
-            damping_loss: of_ring.viscous + stack_loss + flanks.sum.loads.viscous,
-            kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
-            ring_elastic: of_ring.membrane + of_ring.bending,
+            damping_loss: ring.viscous + stack_loss + flanks.sum.loads.viscous,
+            kinetic: ring.kinetic + forces.mass * forces.belt.v_p.dot(&forces.belt.v_p) * 0.5,
+            ring_elastic: ring.membrane + ring.bending,
             flank_elastic: (flank_energy(0) + flank_energy(1)) * stack.lambda,
             outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
         }

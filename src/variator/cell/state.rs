@@ -1,45 +1,27 @@
-//! The state of a cell and of its stations, used by its balance and by the derivatives of the
-//! balance.
+//! The state of a cell and of its stations, for its balance and the derivatives of the balance.
 
-use crate::contact::Friction;
 use crate::reference_curve::ReferencePoint;
-use crate::ring::kinematics::{LineLoad, RingPoint, embed, in_plane};
+use crate::ring::kinematics::{LineLoad, RingPoint, WithRate, embed, in_plane};
 use crate::scalar::Real;
 use crate::stack::{Acceleration, Push, StackPoint, push_force};
-use crate::variator::law::arguments::{CellGeometry, CellLaw, CellMotion, between};
+use crate::variator::law::arguments::{CellInput, CellLaw, between};
 use crate::variator::law::element_rotation::{rotation_drag, throughput};
-use crate::variator::law::flanks::{BothFlanks, FlankKinematics};
+use crate::variator::law::flanks::{BeltPoint, BothFlanks, FlankKinematics};
 use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
 use nalgebra::{SVector, Vector2};
 
-/// Arguments of the cell law: constants, friction, place and motion.
-#[derive(Clone, Copy, Debug)]
-pub struct CellInput<'a, T: Real> {
-    /// Constants of the laws.
-    pub law: &'a CellLaw,
-    /// Friction in force.
-    pub friction: &'a Friction,
-    /// Geometry of the cell.
-    pub geometry: &'a CellGeometry<'a, T>,
-    /// State of the cell without the ring.
-    pub motion: &'a CellMotion<T>,
-}
-
 /// Ring and stack at a station, and its quadrature weight.
 #[derive(Clone, Copy, Debug)]
 pub struct StationState<T: Real, const D: usize> {
-    /// The ring.
     pub ring: RingPoint<T, D>,
-    /// The push elements.
     pub stack: StackPoint<T>,
     /// dξ, m.
     pub weight: T,
 }
 
-/// The ring at the left face of a cell, ring and stack at its stations. Their size is kilobytes, so
-/// they are written in place.
+/// The ring at the left face of a cell, ring and stack at its stations, written in place.
 #[derive(Clone, Copy, Debug)]
 pub struct CellPoints<T: Real, const D: usize> {
     pub face: Option<RingPoint<T, D>>,
@@ -48,6 +30,7 @@ pub struct CellPoints<T: Real, const D: usize> {
 
 impl<T: Real, const D: usize> CellPoints<T, D> {
     #[inline(always)]
+    #[must_use]
     pub fn empty() -> Self {
         Self {
             face: None,
@@ -62,8 +45,8 @@ impl<T: Real, const D: usize> CellPoints<T, D> {
     }
 }
 
-/// Speed V of the elements where the right face of a cell has the weight `right`: linear between
-/// the faces. The pins of a chain have that of the ring.
+/// Speed V of the elements where the right face of a cell has the weight `right`. The pins of a
+/// chain have that of the ring.
 #[inline(always)]
 fn element_speed<T: Real, const D: usize>(
     given: &CellInput<'_, T>,
@@ -91,7 +74,7 @@ pub fn stack_at_face<T: Real, const D: usize>(
 /// Arguments of the laws of a cell's stack.
 #[derive(Clone, Copy, Debug)]
 pub struct CellState<T: Real> {
-    /// Reciprocals of the length of the pitch line and of the cell, 1/m.
+    /// Reciprocals of the lengths of pitch line and cell, 1/m.
     pub inverse_pitch_length: T,
     pub inverse_length: T,
     /// Density ν.
@@ -108,8 +91,8 @@ pub struct CellState<T: Real> {
 
 impl<T: Real> CellState<T> {
     /// The state of a cell with this `ring`; fills `points`. `reference` returns the reference
-    /// curve at the face (0) and at the stations (1 and up). One loop evaluates all points, so that
-    /// the code for a point is inlined once.
+    /// curve at the face (0) and at the stations (1 and up). One loop evaluates all points, so its
+    /// code is inlined once.
     #[inline(always)]
     pub fn new<R: CellRing<T, D>, const D: usize>(
         given: &CellInput<'_, T>,
@@ -181,11 +164,13 @@ impl<T: Real> CellState<T> {
         }
     }
 
-    /// Arguments of the push force: ν and its material rate.
+    /// ν and its material rate.
     #[inline(always)]
-    pub fn stack_arguments(&self) -> [T; 2] {
-        let thinning = -(self.density * self.lengthening * self.inverse_pitch_length);
-        [self.density, thinning]
+    pub fn density_with_rate(&self) -> WithRate<T> {
+        WithRate {
+            value: self.density,
+            rate: -(self.density * self.lengthening * self.inverse_pitch_length),
+        }
     }
 
     /// Push force in the cell.
@@ -194,7 +179,7 @@ impl<T: Real> CellState<T> {
         if law.is_pull_chain() {
             return Push::none();
         }
-        push_force(&law.stack, self.stack_arguments())
+        push_force(&law.stack, self.density_with_rate())
     }
 
     /// ∂V/∂ξ, 1/s.
@@ -207,15 +192,13 @@ impl<T: Real> CellState<T> {
 /// Forces at a station per dξ.
 #[derive(Clone, Copy, Debug)]
 pub struct StationForces<T: Real, const D: usize> {
-    /// Own load of the ring, and its tension, N.
+    /// Own load and tension, N, of the ring.
     pub own_load: LineLoad<T, D>,
     pub tension: T,
     /// Mass of the elements per dξ, kg/m, and their acceleration.
     pub mass: T,
     pub acceleration: Acceleration<T>,
-    /// Velocities at the pitch line and at the ring centre line, m/s.
-    pub v_p: SVector<T, D>,
-    pub v_e: SVector<T, D>,
+    pub belt: BeltPoint<T, D>,
     pub kinematics: FlankKinematics<T>,
     pub flanks: BothFlanks<T>,
     /// Forces of the flanks at the pitch line (tangential) and at the ring centre line, N/m.
@@ -242,7 +225,8 @@ impl<T: Real, const D: usize> StationForces<T, D> {
     pub fn new<R: CellRing<T, D>>(
         given: &CellInput<'_, T>,
         cell: &CellState<T>,
-        (i, station): (usize, &StationState<T, D>),
+        i: usize,
+        station: &StationState<T, D>,
         ring: &R,
         push: T,
     ) -> Self {
@@ -251,7 +235,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             friction,
             geometry,
             motion,
-        } = given;
+        } = *given;
         let StationState {
             ring: point, stack, ..
         } = station;
@@ -261,17 +245,13 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         let mass = cell.density * stack.lambda * law.stack.mass_per_length;
         let acceleration = stack.acceleration(point, speed_dot, cell.speed_gradient());
 
-        let v_p = stack.velocity(point, stack.speed);
-        let v_e = stack.velocity(point, stack.ring_line_speed());
-        let at = [&point.r, &v_e, &v_p].map(in_plane);
-        let kinematics = FlankKinematics::new(law, geometry.axis, &motion.pulley, at);
-        let flanks = kinematics.both_flanks(
-            (law, friction),
-            geometry.plane,
-            &motion.pulley,
-            (point, &v_e),
-            stack.lambda,
-        );
+        let belt = BeltPoint {
+            r: point.r,
+            v_e: stack.velocity(point, stack.ring_line_speed()),
+            v_p: stack.velocity(point, stack.speed),
+        };
+        let kinematics = FlankKinematics::new(law, geometry.axis, &motion.pulley, &belt);
+        let flanks = kinematics.both_flanks(given, &belt, stack.lambda);
         let at_pitch_line = kinematics.e_t * -flanks.sum.loads.circumferential;
         let mut at_ring_line: SVector<T, D> = embed(kinematics.e_r * -flanks.sum.loads.radial);
         if D > 2 {
@@ -296,8 +276,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             tension,
             mass,
             acceleration,
-            v_p,
-            v_e,
+            belt,
             kinematics,
             flanks,
             at_pitch_line,
@@ -308,13 +287,11 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             ring_friction,
             ring_speed,
             layer_drag: layer_drag(geometry.layer_drag, pressing, kappa, ring_speed),
-            rotation_drag: rotation_drag(geometry.rotation_drag, kappa, [cell.throughput, stack.speed]),
+            rotation_drag: rotation_drag(geometry.rotation_drag, kappa, cell.throughput, stack.speed),
             tangential: at_ring_line.dot(&point.t) - ring_friction,
         }
     }
-}
 
-impl<T: Real, const D: usize> StationForces<T, D> {
     /// Inertia less forces along the belt, conjugate to V, N/m.
     #[inline(always)]
     pub fn along(&self, point: &RingPoint<T, D>, stack: &StackPoint<T>) -> T {

@@ -2,23 +2,23 @@
 //! unknowns of a cell and those of its pulley.
 //!
 //! Forward differentiation repeats the whole law for each direction, although a node moves only the
-//! ring, a sheave only the flanks, and nearly all relations between them are linear. Here the
-//! coefficients of the variation are stored for each station. Nonlinear laws (flanks, stack) are
+//! ring, a sheave only the flanks, and nearly all relations between them are linear. Here each
+//! station has the coefficients of its variation, and nonlinear laws (flanks, stack) are
 //! differentiated forward in their few arguments. This takes less than half the time and agrees to
 //! rounding: a test of `variator` compares the two. The drift and the coordinates of the curve
-//! change every quantity, so they use forward differentiation.
+//! change every quantity; for them the whole law is differentiated forward.
 
-use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
+use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, WithRate};
 use crate::scalar::{Lanes, Tangent, along};
 use crate::solver::Factors;
-use crate::stack::{StackPoint, StackVariation, Transport};
+use crate::stack::{Components, PointVariation, StackPoint, StackVariation, Transport};
 use crate::variator::cell::degrees::DegreesOfFreedom;
-use crate::variator::cell::laws::{Arguments, FORCES, Forces, OfLaws, Tangents, of_two};
-use crate::variator::cell::state::{CellInput, CellPoints, CellState, StationForces, stack_at_face};
+use crate::variator::cell::laws::{Arguments, FORCES, Forces, OfLaws, Tangents, stack_arguments};
+use crate::variator::cell::state::{CellPoints, CellState, StationForces, stack_at_face};
 use crate::variator::cell::station_variation::{
     CellVariation, FlankVariation, LinearisedStation, StationVariation,
 };
-use crate::variator::law::arguments::{CellBalance, between, face_weight};
+use crate::variator::law::arguments::{CellBalance, CellInput, between, face_weight};
 use crate::variator::law::element_rotation::throughput;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{RingForces, StationLoad, VaryingRing};
@@ -30,14 +30,15 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     given: CellInput<'a, Lanes>,
     ring: &'a R,
     cell: CellState<Lanes>,
-    face: (&'a RingPoint<Lanes, D>, StackPoint<Lanes>),
+    face: &'a RingPoint<Lanes, D>,
+    stack_at_face: StackPoint<Lanes>,
     stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
     /// Derivatives of the throughput of elements with respect to density and flow.
-    d_throughput: [Lanes; 2],
+    throughput_by_density: Lanes,
+    throughput_by_flow: Lanes,
     /// Tangents of the push force.
     d_push: &'a Arguments<Lanes>,
-    /// Factors of acceleration and position.
     factors: Factors,
 }
 
@@ -70,36 +71,43 @@ impl Direction {
 }
 
 /// Forces at the stations of a cell.
-type ForcesOfCell<const D: usize> = [Option<StationForces<Lanes, D>>; STATIONS];
+type CellForces<const D: usize> = [Option<StationForces<Lanes, D>>; STATIONS];
 
-/// Variations of ring and stack at the stations. Their size is kilobytes, so they are written in
-/// place.
-type VariedStations<const D: usize> = [Option<(RingVariation<Lanes, D>, StackVariation<Lanes>)>; STATIONS];
+/// Variations at the stations, kilobytes that are written in place.
+type VariedStations<const D: usize> = [Option<PointVariation<Lanes, D>>; STATIONS];
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Linearises evaluated cells with this `ring`: ring and stack at their `points`, `forces` at
-    /// the stations, `tangents` of the laws. `factors` are those of acceleration and position.
+    /// Linearises evaluated cells with this `ring`, ring and stack at their `points`, `forces` at
+    /// the stations and `tangents` of the laws.
     #[inline(always)]
     pub fn new(
         ring: &'a R,
         given: CellInput<'a, Lanes>,
         cell: CellState<Lanes>,
-        (points, forces, tangents): (&'a CellPoints<Lanes, D>, &'a ForcesOfCell<D>, &'a OfLaws<Tangents>),
+        points: &'a CellPoints<Lanes, D>,
+        forces: &'a CellForces<D>,
+        tangents: &'a OfLaws<Tangents>,
         factors: Factors,
     ) -> Self {
         let face = points.face();
         let mut stations = [None; STATIONS];
         for (i, (to, at)) in stations.iter_mut().zip(points.stations.iter().zip(forces)).enumerate() {
             if let (Some(station), Some(forces)) = at {
-                let laws = (forces, &tangents[i * D..][..D]);
-                *to = Some(LinearisedStation::new(&given, &cell, (i, station), laws, factors));
+                let tangents = &tangents[i * D..][..D];
+                *to = Some(LinearisedStation::new(
+                    &given, &cell, i, station, forces, tangents, factors,
+                ));
             }
         }
         let seed = Tangent::<2>::seed;
+        let [throughput_by_density, throughput_by_flow] =
+            throughput(seed(cell.density, 0, 1.0), seed(cell.flow, 1, 1.0)).eps;
         Self {
-            face: (face, stack_at_face(&given, face)),
+            face,
+            stack_at_face: stack_at_face(&given, face),
             push: cell.push(given.law).force,
-            d_throughput: throughput(seed(cell.density, 0, 1.0), seed(cell.flow, 1, 1.0)).eps,
+            throughput_by_density,
+            throughput_by_flow,
             d_push: &tangents[given.geometry.stations.len() * D][0],
             given,
             ring,
@@ -110,7 +118,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     }
 
     /// Variation of balance and ring forces with an unknown that moves the ring (`MOVES`), or
-    /// elements or pulley alone. Writes that of the `arguments` of the laws.
+    /// elements or pulley alone. Writes that of the laws' `arguments`.
     #[inline(always)]
     pub fn vary<const MOVES: bool>(
         &self,
@@ -124,55 +132,58 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         };
         let mut varied = [None; STATIONS];
         let varied_cell = self.vary_cell::<MOVES>(direction, &mut varied);
-        arguments[self.given.geometry.stations.len() * D] = varied_cell.arguments;
+        arguments[self.given.geometry.stations.len() * D] = stack_arguments(varied_cell.density);
         let mut out = CellBalance {
-            speed: [varied_cell.push[1], -varied_cell.push[1]],
+            speed: [varied_cell.push, -varied_cell.push],
             transport: Transport {
                 flow: varied_cell.flow_in,
-                density: varied_cell.density[1],
+                density: varied_cell.density.value,
             },
             ..CellBalance::default()
         };
         let mut sum = self.ring.empty();
         for (i, (station, varied)) in self.stations.iter().zip(&varied).enumerate() {
-            let (Some(station), Some((by, stack))) = (station, varied) else {
+            let (Some(station), Some(by)) = (station, varied) else {
                 continue;
             };
             let mut load = LineLoad::zero();
-            let tension = self.ring.vary_own_load(i + 1, station.ring, by, own, &mut load);
-            let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, stack), &varied_cell);
+            let tension = self.ring.vary_own_load(i + 1, station.ring, &by.ring, own, &mut load);
+            let inertia =
+                station.vary_inertia(self.given.law, alpha, by, &self.cell, self.push, &varied_cell);
             let flank = match direction {
                 Direction::Pulley(number) => station.by_pulley[number],
-                _ => station.vary_kinematics::<MOVES>(&self.given, by, stack),
+                _ => station.vary_kinematics::<MOVES>(&self.given, by),
             };
             let laws = &mut arguments[i * D..][..D];
-            let drag = station.vary_arguments::<MOVES>(&self.given, (by, stack), &flank, tension, laws);
+            let drag = station.vary_arguments::<MOVES>(&self.given, by, &flank, tension, laws);
             let change = StationVariation {
                 by,
-                stack,
                 flank: &flank,
                 tension,
-                along,
-                inward,
+                inertia,
                 drag,
+                forces: station.vary_forces(laws),
             };
-            let loads = (load, station.vary_forces(laws));
-            self.add_loads::<MOVES>((i, station), &change, loads, &mut out, &mut sum);
+            self.add_loads::<MOVES>(i, station, &change, load, &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, own, beta))
     }
 
-    /// Variation of ring and stack at the face (0) or at a station (1 and up), where V varies by
-    /// `speed`.
+    /// Variation at the face (0) or at a station (1 and up), where V varies by `speed`.
     #[inline(always)]
     fn vary_point<const MOVES: bool>(
         &self,
-        (at, ring, stack): (usize, &RingPoint<Lanes, D>, &StackPoint<Lanes>),
+        at: usize,
+        ring: &RingPoint<Lanes, D>,
+        stack: &StackPoint<Lanes>,
         direction: Direction,
         speed: Lanes,
-    ) -> (RingVariation<Lanes, D>, StackVariation<Lanes>) {
+    ) -> PointVariation<Lanes, D> {
         let (true, Direction::Ring(own)) = (MOVES, direction) else {
-            return (RingVariation::none(), StackVariation::of_speed(stack, speed));
+            return PointVariation {
+                ring: RingVariation::none(),
+                stack: StackVariation::from_speed(stack, speed),
+            };
         };
         let by = self.ring.vary(at, ring, own, self.factors);
         let speed = if self.given.law.is_pull_chain() {
@@ -180,10 +191,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         } else {
             speed
         };
-        (by, stack.vary(ring, &by, speed))
+        PointVariation {
+            ring: by,
+            stack: stack.vary(ring, &by, speed),
+        }
     }
 
-    /// Variation of the stack, and of ring and stack at the `stations`.
+    /// Variations of the stack; fills those at the `stations`.
     #[inline(always)]
     fn vary_cell<const MOVES: bool>(
         &self,
@@ -202,9 +216,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         for (i, (varied, station)) in stations.iter_mut().zip(&self.stations).enumerate() {
             let Some(station) = station else { continue };
             let (stack, weight) = (station.stack, station.weight);
-            let point = (i + 1, station.ring, stack);
-            let (by, d_stack) = self.vary_point::<MOVES>(point, direction, between(&speed, station.right));
-            pitch_length += weight * by.stretch;
+            let speed = between(&speed, station.right);
+            let by = self.vary_point::<MOVES>(i + 1, station.ring, stack, direction, speed);
+            let d_stack = &by.stack;
+            pitch_length += weight * by.ring.stretch;
             if MOVES {
                 for k in 0..D - 1 {
                     by_normal_motion += weight
@@ -213,32 +228,31 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 }
             }
             through += weight * d_stack.flow;
-            steepness += weight * by.strain_gradient;
-            *varied = Some((by, d_stack));
+            steepness += weight * by.ring.strain_gradient;
+            *varied = Some(by);
         }
         if MOVES {
-            for (by, _) in stations.iter_mut().flatten() {
-                by.strain_gradient = steepness * self.cell.inverse_length;
+            for by in stations.iter_mut().flatten() {
+                by.ring.strain_gradient = steepness * self.cell.inverse_length;
             }
         }
-        let (ring, stack) = &self.face;
-        let (_, face) = self.vary_point::<MOVES>((0, ring, stack), direction, speed[0]);
+        let face = self.vary_point::<MOVES>(0, self.face, &self.stack_at_face, direction, speed[0]);
 
         let cell = &self.cell;
         let (difference, inverse) = (speed[1] - speed[0], cell.inverse_pitch_length);
-        let density = (content - cell.density * pitch_length) * inverse;
-        let thinning = (cell.density * cell.lengthening * inverse * pitch_length
-            - density * cell.lengthening
+        let value = (content - cell.density * pitch_length) * inverse;
+        let rate = (cell.density * cell.lengthening * inverse * pitch_length
+            - value * cell.lengthening
             - cell.density * (difference - by_normal_motion))
             * inverse;
-        let arguments = of_two([density, thinning]);
+        let density = WithRate { value, rate };
         CellVariation {
-            flow_in: face.flow,
-            arguments,
-            density: [cell.density, density],
-            push: [self.push, along(self.d_push, &arguments)],
-            gradient: [cell.speed_gradient(), difference * cell.inverse_length],
-            throughput: along(&self.d_throughput, &[density, through * cell.inverse_length]),
+            flow_in: face.stack.flow,
+            density,
+            push: along(self.d_push, &stack_arguments(density)),
+            speed_gradient: difference * cell.inverse_length,
+            throughput: self.throughput_by_density * value
+                + self.throughput_by_flow * (through * cell.inverse_length),
         }
     }
 
@@ -250,10 +264,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         for (i, station) in self.stations.iter().flatten().enumerate() {
             for law in 0..D {
                 for force in 0..if law < D - 1 { FORCES } else { 1 } {
-                    let is_unit = |k: usize, of: usize| if (k, of) == (law, force) { one } else { zero };
-                    let unit = std::array::from_fn(|k| std::array::from_fn(|of| is_unit(k, of)));
+                    let mut unit = [[zero; FORCES]; 3];
+                    unit[law][force] = one;
                     let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
-                    self.add_unit((i, station), (unit, [zero; 2]), &mut out, &mut sum);
+                    self.add_unit(i, station, unit, [zero; 2], &mut out, &mut sum);
                     let ring = self.ring.varied_forces(&sum, None, self.factors.beta);
                     record((i * D + law) * FORCES + force, out, ring);
                 }
@@ -262,55 +276,59 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let (mut out, mut sum) = (CellBalance::default(), self.ring.empty());
         out.speed = [one, -one];
         for (i, station) in self.stations.iter().flatten().enumerate() {
-            let pushed = ([[zero; FORCES]; 3], station.stack.curvature);
-            self.add_unit((i, station), pushed, &mut out, &mut sum);
+            let forces = [[zero; FORCES]; 3];
+            self.add_unit(i, station, forces, station.stack.curvature, &mut out, &mut sum);
         }
         let ring = self.ring.varied_forces(&sum, None, self.factors.beta);
         record(self.given.geometry.stations.len() * D * FORCES, out, ring);
     }
 
-    /// Adds the loads at station `i` of forces of its laws and of a force across the belt, where
-    /// nothing moves.
+    /// Adds the loads at station `i` of `forces` of its laws and of `inward` forces, where nothing
+    /// moves.
     #[inline(always)]
     fn add_unit(
         &self,
-        at: (usize, &LinearisedStation<'_, D>),
-        (forces, inward): ([Forces; 3], [Lanes; 2]),
+        i: usize,
+        station: &LinearisedStation<'_, D>,
+        forces: [Forces; 3],
+        inward: [Lanes; 2],
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
         let zero = Lanes::zero();
         let change = StationVariation {
-            by: &RingVariation::none(),
-            stack: &StackVariation::default(),
+            by: &PointVariation {
+                ring: RingVariation::none(),
+                stack: StackVariation::default(),
+            },
             flank: &FlankVariation::default(),
             tension: zero,
-            along: zero,
-            inward,
+            inertia: Components {
+                along: zero,
+                across: inward,
+            },
             drag: zero,
+            forces,
         };
-        self.add_loads::<false>(at, &change, (LineLoad::zero(), forces), out, sum);
+        self.add_loads::<false>(i, station, &change, LineLoad::zero(), out, sum);
     }
 
-    /// Adds the variation of the loads at station `i`, with that of the ring's own load and of the
-    /// forces of flanks and ring.
+    /// Adds the variation of the loads at station `i`, with that of the ring's own `load`.
     #[inline(always)]
     fn add_loads<const MOVES: bool>(
         &self,
-        (i, station): (usize, &LinearisedStation<'_, D>),
+        i: usize,
+        station: &LinearisedStation<'_, D>,
         change: &StationVariation<'_, D>,
-        (mut load, forces): (LineLoad<Lanes, D>, [Forces; 3]),
+        mut load: LineLoad<Lanes, D>,
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
         let (ring, weight) = (station.ring, station.weight);
-        let by = change.by;
+        let by = &change.by.ring;
         let ring_along = load.position.dot(&ring.t);
-        let [mut along, tangential] =
-            station.add_flank_forces::<MOVES>(&self.given, change, &forces, &mut load, out);
-
-        let d_friction = forces[D - 1][0];
-        let d_along_ring = d_friction + change.drag;
+        let along = station.add_flank_forces::<MOVES>(&self.given, change, &mut load, out);
+        let d_along_ring = change.forces[D - 1][0] + change.drag;
         let across = load.position.dot(&ring.normals[0]);
         load.position += ring.t * d_along_ring;
         let mut dragged = d_along_ring * ring.stretch;
@@ -320,7 +338,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             dragged += along_ring * by.stretch;
         }
         load.drift += dragged;
-        along += (tangential - d_friction) * station.stack.lead;
         let mut ring_along = ring_along + dragged;
         if self.given.law.is_pull_chain() {
             load.position += ring.t * along;

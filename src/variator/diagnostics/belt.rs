@@ -120,7 +120,7 @@ impl BeltSums<Lanes> {
             sliding.forward += s.sliding.if_positive(load, Lanes::zero());
         }
         let none = f64::INFINITY.into();
-        let strand = s.curvature[0].if_positive(none, s.tension - s.push);
+        let strand = s.curvature.if_positive(none, s.tension - s.push);
         self.strand_force = self.strand_force.min(in_use.if_positive(strand, none));
         self.push_force = self.push_force.max(s.push);
         let length = s.lambda * weight;

@@ -40,7 +40,7 @@ pub(super) fn idle_arcs(mesh: &BeltMesh, stations: &[Sample], length: f64, rever
             if !sample.on_arc() || mesh.cells[k / mesh.points].pulley != pulley {
                 continue;
             }
-            let wrap = sample.curvature[0] * sample.weight;
+            let wrap = sample.curvature * sample.weight;
             let change = (sample.push - entry).abs();
             if difference >= NO_DIFFERENCE && change > limit {
                 let fraction = ((limit - before) / (change - before)).clamp(0.0, 1.0);

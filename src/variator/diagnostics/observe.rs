@@ -101,26 +101,29 @@ impl Observer {
             mean.xi += sample.xi * sample.weight;
             mean.tension += sample.tension * sample.weight;
             mean.curvature += sample.ring_curvature * sample.weight;
-            mean.turning += sample.curvature[0] * sample.weight;
+            mean.turning += sample.curvature * sample.weight;
             mean.length += sample.weight;
-            mean.number = cell.pulley as usize;
+            mean.pulley = cell.pulley;
         }
         for mean in &mut self.elements {
             mean.xi /= mean.length;
             mean.tension /= mean.length;
             mean.curvature /= mean.length;
             if mean.turning == 0.0 {
-                mean.number = usize::from(mean.xi > 0.5 * length);
+                mean.pulley = if mean.xi > 0.5 * length {
+                    Pulley::Primary
+                } else {
+                    Pulley::Secondary
+                };
             }
         }
     }
 
     /// Stress of the ring's layers from the means of its elements.
     fn ring_stress(&mut self, belt: &Belt, view: View<'_>, radii: PerPulley<f64>) -> RingStress {
-        let motion = (view.y[belt.layout.drift()], [radii.secondary, radii.primary]);
-        let of = (&belt.law.ring, &belt.law.layers);
+        let (law, speed) = (&belt.law, view.y[belt.layout.drift()]);
         self.stresses.resize(self.elements.len(), 0.0);
-        ring_stress(of, motion, &self.elements, &mut self.stresses)
+        ring_stress(&law.ring, &law.layers, speed, radii, &self.elements, &mut self.stresses)
     }
 
     /// Fills fields along the belt: linear between stations, around the loop. Samples, means of the
@@ -172,7 +175,7 @@ impl Observer {
             profile.sliding_speed[k] = between(sliding(a), sliding(b));
             profile.radial_deviation[k] = between(deviation(of_a, a), deviation(of_b, b));
             if belt.layout.is_spatial() {
-                profile.lateral_deflection[k] = between(a.lateral[0], b.lateral[0]) - plane;
+                profile.lateral_deflection[k] = between(a.lateral, b.lateral) - plane;
             }
         }
     }
@@ -219,7 +222,7 @@ fn torque_utilisation(system: &VariatorSystem, sums: &BeltSums, radius: f64) -> 
         return 0.0;
     }
     let friction = &system.parameters.friction;
-    let cos_beta = system.belt.law.wedge[1];
+    let cos_beta = system.belt.law.wedge.cos;
     let capacity = full_slip_torque(friction, cos_beta, sums.axial.secondary, radius);
     if capacity > 0.0 {
         (sums.torque.primary.abs() / capacity).min(10.0)
@@ -240,8 +243,7 @@ fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) 
     let (mut largest, mut rise, mut length) = (0.0_f64, 0.0, 0.0);
     let length_of_belt = belt.curve.length();
     for sample in stations {
-        let [w, slope] = sample.lateral;
-        largest = largest.max((w - plane).abs());
+        largest = largest.max((sample.lateral - plane).abs());
         if sample.on_arc() {
             continue;
         }
@@ -250,7 +252,7 @@ fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) 
         } else {
             -1.0
         };
-        rise += towards_primary * slope * sample.weight;
+        rise += towards_primary * sample.lateral_slope * sample.weight;
         length += sample.weight;
     }
     out.lateral_max = largest;
@@ -271,7 +273,7 @@ fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
         if sample.on_arc() {
             widen(sample.pitch_radius);
         }
-        if sample.curvature[1] > 0.0 || left_arc {
+        if sample.face_curvature > 0.0 || left_arc {
             widen(sample.face_radius);
         }
         left_arc = mesh.aligned && sample.on_arc();

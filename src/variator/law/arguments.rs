@@ -1,7 +1,7 @@
 //! Arguments and results of the cell law: constants, place, motion, balance.
 
-use crate::contact::Contact;
-use crate::pulley::PerPulley;
+use crate::contact::{Contact, Friction};
+use crate::pulley::{PerPulley, Wedge};
 use crate::reference_curve::Jet;
 use crate::ring::Joints;
 use crate::ring::Ring;
@@ -16,21 +16,21 @@ use crate::variator::mesh::belt_mesh::Station;
 /// Constants of the cell law.
 #[derive(Clone, Debug)]
 pub struct CellLaw {
-    /// Parameters of the push elements.
+    /// The push elements.
     pub stack: stack::PushElements,
-    /// Parameters of the ring sets, as one beam.
+    /// The ring sets, as one beam.
     pub ring: Ring,
-    /// Parameters of the ring's layers.
+    /// The ring's layers.
     pub layers: Layers,
-    /// Parameters of the joints of a pull chain; `None` for a pushbelt.
+    /// The joints of a pull chain; `None` for a pushbelt.
     pub joints: Option<Joints>,
-    /// Mass m_r per length whose centrifugal force reduces the load of the ring on what it slides
-    /// on, kg/m: that of the ring; 0 for the joints of a chain, which carry the whole tension.
+    /// Mass m_r per length whose centrifugal force reduces the normal load of the ring, kg/m: that
+    /// of the ring; 0 for the joints of a chain, which carry the whole tension.
     pub saddle_mass: f64,
-    /// Parameters of the contact between flank and sheave.
+    /// The contact between flank and sheave.
     pub contact: Contact,
-    /// sin β, cos β, tan β of the wedge angle.
-    pub wedge: [f64; 3],
+    /// Wedge of the sheaves.
+    pub wedge: Wedge,
     /// Pitch radius of unloaded contact at ratio 1, m.
     pub r0: f64,
     /// Pulley axes, x coordinate, m.
@@ -43,14 +43,22 @@ pub struct CellLaw {
 /// that sheave.
 ///
 /// The movable sheaves are on opposite sides of the belt, so both middles move in the same
-/// direction when the ratio changes. Their distance changes by z_P/2 + z_S/2 = (r_P + r_S − 2r₀)
-/// tan β, because the radii do not change equally.
+/// direction when the ratio changes, and their distance by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SheavePlane {
+pub struct SheavePlane<L = f64> {
     /// Side of the movable sheave: +1 or −1 along z.
-    pub side: f64,
+    pub side: L,
     /// Middle of the pulley at z_j = 0, m.
-    pub middle: f64,
+    pub middle: L,
+}
+
+/// Coefficients of drag on the arc of each pulley.
+#[derive(Clone, Copy, Debug)]
+pub struct ArcDrags<T> {
+    /// [`CellGeometry::layer_drag`].
+    pub layers: PerPulley<T>,
+    /// [`CellGeometry::rotation_drag`], kg/m.
+    pub rotation: PerPulley<T>,
 }
 
 impl CellLaw {
@@ -61,17 +69,18 @@ impl CellLaw {
         self.joints.is_some()
     }
 
-    /// [`CellGeometry::layer_drag`] and [`CellGeometry::rotation_drag`] on the arc of each pulley,
-    /// the secondary first. `radii` and `wraps` are those of the ring's arcs, m and rad.
+    /// Drag on the arcs of a ring with these radii, m, and wrap angles, rad, the secondary first.
     #[inline(always)]
     #[must_use]
-    pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [[T; 2]; 2] {
+    pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> ArcDrags<T> {
         let radii = radii.map(|radius| radius - self.stack.pitch_offset);
+        let [radii, wraps] = [radii, wraps].map(|[secondary, primary]| PerPulley { secondary, primary });
         let layers = match self.joints {
             Some(joints) => joints.drag_coefficients(radii, wraps),
             None => self.layers.drag_coefficients(radii),
         };
-        [layers, rotation_drag_coefficients(&self.stack, radii, wraps)]
+        let rotation = rotation_drag_coefficients(&self.stack, radii, wraps);
+        ArcDrags { layers, rotation }
     }
 }
 
@@ -150,12 +159,22 @@ impl StateComponent {
     }
 }
 
+/// First degrees of freedom of a cell, without the ring's.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstUnknowns {
+    /// First of V, V, N.
+    pub own: usize,
+    /// First of s, Θ.
+    pub drift: usize,
+    /// First of z, ψ_x, ψ_y, ω.
+    pub sheave: usize,
+}
+
 impl<T: Real> CellMotion<T> {
-    /// From the `unknown` of a part and a degree of freedom: V, V, N start at `own`, s, Θ at
-    /// `drift`, z, ψ_x, ψ_y, ω at `sheave`.
+    /// The motion, where `unknown` returns a component of a degree of freedom.
     #[inline(always)]
-    pub fn of_unknowns(
-        [own, drift, sheave]: [usize; 3],
+    pub fn from_unknowns(
+        FirstUnknowns { own, drift, sheave }: FirstUnknowns,
         unknown: impl Fn(StateComponent, usize) -> T,
     ) -> Self {
         let value = |k: usize| unknown(StateComponent::Value, k);
@@ -186,7 +205,7 @@ impl<T: Real> CellMotion<T> {
     }
 }
 
-/// Load of the belt, or of a part of it, on a pulley.
+/// Load of the belt or of a part of it on a pulley.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PulleyLoad<T = f64> {
     /// Axial force on one sheave, N.
@@ -225,8 +244,7 @@ impl<T: Real> PulleyLoad<T> {
     }
 }
 
-/// Generalised residual forces of a cell (inertia − forces), without those on the ring, and its
-/// flow.
+/// Generalised forces of a cell (inertia − forces), without those on the ring, and its flow.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CellBalance<T> {
     /// Conjugates of V at the faces, N.
@@ -237,23 +255,31 @@ pub struct CellBalance<T> {
     pub transport: Transport<T>,
 }
 
-/// Geometry of cells: constants of the mesh, and the element at the present Θ.
+/// Place of an element on its segment, as fractions of the segment.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent<L> {
+    /// Start.
+    pub start: L,
+    /// Length.
+    pub length: L,
+}
+
+/// Geometry of cells.
 #[derive(Debug)]
 pub struct CellGeometry<'a, T: Real> {
-    /// Start and length of the element as fractions of the segment.
-    pub of_segment: [T::Constant; 2],
-    /// Left face. Fractions of face and stations refer to the element.
+    /// Place of the element.
+    pub extent: Extent<T::Constant>,
+    /// Left face; fractions refer to the element.
     pub face: &'a Station<T::Constant>,
     /// Quadrature points.
     pub stations: &'a [Station<T::Constant>],
     /// Pulley axis, x coordinate, m.
     pub axis: T::Constant,
-    /// Side of the pulley's movable sheave and its middle at z_j = 0, as in [`SheavePlane`].
-    pub plane: [T::Constant; 2],
+    /// Position of the sheaves along z.
+    pub plane: SheavePlane<T::Constant>,
     /// Length of the element.
     pub length: Jet<T>,
-    /// Drag of the ring's layers, or of a chain's joints, on the nearest arc, as a fraction of the
-    /// ring's normal load.
+    /// Drag of the ring's layers, or of a chain's joints, on the nearest arc, over the normal load.
     pub layer_drag: T,
     /// Drag of elements that start and stop turning, on the nearest arc: I/(h R² α), kg/m.
     pub rotation_drag: T,
@@ -275,9 +301,22 @@ impl<T: Real> CellGeometry<'_, T> {
     #[inline(always)]
     #[must_use]
     pub fn fraction(&self, at: usize) -> T::Constant {
-        let [start, length] = self.of_segment;
+        let Extent { start, length } = self.extent;
         start + length * self.point(at).fraction
     }
+}
+
+/// Arguments of the cell law.
+#[derive(Clone, Copy, Debug)]
+pub struct CellInput<'a, T: Real> {
+    /// Constants of the laws.
+    pub law: &'a CellLaw,
+    /// Friction in force.
+    pub friction: &'a Friction,
+    /// Geometry of the cell.
+    pub geometry: &'a CellGeometry<'a, T>,
+    /// State of the cell without the ring.
+    pub motion: &'a CellMotion<T>,
 }
 
 /// Linear interpolation between the two faces of a cell.

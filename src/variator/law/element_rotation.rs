@@ -1,10 +1,9 @@
 //! Drag of elements that start and stop turning.
 //!
 //! An element turns at V/R about its rocking edge on an arc of pitch radius R, and not at all on a
-//! strand. It is spun up where it enters an arc and stopped where it leaves. Both are taken as
-//! plastic: with the moment of inertia I about the edge, an element and an arc cost I (V/R)², half
-//! of it lost at each border. This is an upper bound, because a part of the energy may return to
-//! the belt.
+//! strand. It is spun up where it enters an arc and stopped where it leaves, both plastic: with the
+//! moment of inertia I about the edge, an element and an arc cost I (V/R)², half of it lost at each
+//! border. This is an upper bound, because a part of the energy may return to the belt.
 //!
 //! νJ/h elements of thickness h pass in a second, with their gaps. On an arc of wrap angle α, the
 //! drag per dξ against V is
@@ -14,32 +13,34 @@
 //! so its power over the arc is (νJ/h) I (V/R)². |J| is smooth at a standstill: J²/√(J² + v₀²).
 //!
 //! The power is exact; the place where it acts is a simplification. The drag is spread over the arc
-//! in proportion to the turning angle, because then it holds for every mesh, follows the arc as the
-//! ratio changes, and has no jump where the gaps of the strands begin. At the borders it would
-//! change the push force within an arc by half its sum: on the smaller pulley in overdrive by 2 N
-//! at 2000 rpm and 12 N at 5000 rpm.
+//! by turning angle: that holds for every mesh, follows the arc as the ratio changes, and has no
+//! jump where the gaps of the strands begin. At the borders it would change the push force of an
+//! arc by half its sum: on the smaller pulley in overdrive 2 N at 2000 rpm and 12 N at 5000 rpm.
 //!
 //! The moment that turns the elements has no reaction on ring or pulleys.
 
+use crate::pulley::PerPulley;
 use crate::scalar::Real;
 use crate::stack::PushElements;
 
 /// Regularisation speed v₀ of |J|, m/s.
 const FLOW_SMOOTHING: f64 = 0.1;
 
-/// I/(h R² α) of the secondary and of the primary arc, kg/m: `radii` are the pitch radii in that
-/// order, m, `wraps` the wrap angles, rad.
+/// I/(h R² α) of each arc, kg/m, with the pitch radii, m, and the wrap angles, rad.
 #[inline(always)]
-pub fn rotation_drag_coefficients<T: Real>(belt: &PushElements, radii: [T; 2], wraps: [T; 2]) -> [T; 2] {
+pub fn rotation_drag_coefficients<T: Real>(
+    belt: &PushElements,
+    radii: PerPulley<T>,
+    wraps: PerPulley<T>,
+) -> PerPulley<T> {
     let per_thickness = belt.element_inertia / belt.element_thickness;
     let curvatures = radii.map(Real::recip);
     // One division for both.
-    let inverse = (wraps[0] * wraps[1]).recip() * per_thickness;
-    std::array::from_fn(|k| curvatures[k] * curvatures[k] * wraps[1 - k] * inverse)
+    let inverse = (wraps.secondary * wraps.primary).recip() * per_thickness;
+    PerPulley::from_fn(|arc| curvatures[arc] * curvatures[arc] * wraps[arc.other()] * inverse)
 }
 
-/// ν|J|, the throughput of elements, m/s, at the density `nu` and the flow `flow` through the mesh,
-/// m/s.
+/// Throughput ν|J| of elements, m/s.
 #[inline(always)]
 pub fn throughput<T: Real>(nu: T, flow: T) -> T {
     let square = flow * flow;
@@ -48,9 +49,9 @@ pub fn throughput<T: Real>(nu: T, flow: T) -> T {
 }
 
 /// Drag of the elements per dξ, N/m, on an arc of this [coefficient](rotation_drag_coefficients)
-/// and curvature `kappa`, with the [`throughput`], m/s, at the speed `speed`, m/s.
+/// and curvature `kappa`, with the [`throughput`] and the speed V, m/s.
 #[inline(always)]
-pub fn rotation_drag<T: Real>(coefficient: T, kappa: T, [throughput, speed]: [T; 2]) -> T {
+pub fn rotation_drag<T: Real>(coefficient: T, kappa: T, throughput: T, speed: T) -> T {
     coefficient * kappa * throughput * speed
 }
 
@@ -60,7 +61,7 @@ mod tests {
 
     #[test]
     fn drag_is_odd_and_smooth_and_grows_with_the_square_of_speed() {
-        let drag = |v: f64| rotation_drag(1.0, 20.0, [throughput(0.99, v), v]);
+        let drag = |v: f64| rotation_drag(1.0, 20.0, throughput(0.99, v), v);
         for v in [1e-3, 0.1, 3.0, 40.0] {
             assert_eq!(drag(-v), -drag(v));
             assert!(drag(v) > 0.0);

@@ -1,9 +1,10 @@
 //! Motion of a point of the belt relative to its pulley, and the loads of its two flanks.
 
-use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
-use crate::ring::kinematics::RingPoint;
+use crate::contact::{FlankForce, FlankMotion, flank_force};
+use crate::pulley::Wedge;
+use crate::ring::kinematics::in_plane;
 use crate::scalar::Real;
-use crate::variator::law::arguments::{CellLaw, PulleyLoad, PulleyMotion};
+use crate::variator::law::arguments::{CellInput, CellLaw, PulleyLoad, PulleyMotion, SheavePlane};
 use nalgebra::{SVector, Vector2};
 
 /// Loads of flanks on an element, per ring length.
@@ -41,7 +42,7 @@ impl<T: Real> FlankLoads<T> {
     }
 }
 
-/// Sum of the loads of both flanks of an element, per dξ.
+/// Loads of both flanks of an element, per dξ.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FlankSum<T> {
     /// The sum.
@@ -53,7 +54,7 @@ pub struct FlankSum<T> {
 }
 
 impl<T: Real> FlankSum<T> {
-    /// Of two equal flanks.
+    /// The sum of two equal flanks.
     #[inline(always)]
     pub fn symmetric(one: &FlankLoads<T>) -> Self {
         Self {
@@ -63,7 +64,7 @@ impl<T: Real> FlankSum<T> {
         }
     }
 
-    /// Of the flank on the movable sheave, which is on this `side` along z, and of the other one.
+    /// The sum of the flank on the movable sheave, on this `side` along z, and of the other one.
     #[inline(always)]
     pub fn new(movable: &FlankLoads<T>, fixed: &FlankLoads<T>, side: T::Constant) -> Self {
         Self {
@@ -86,12 +87,12 @@ impl<T: Real> FlankSum<T> {
     }
 }
 
-/// Motion, forces and loads of both flanks of an element.
+/// Both flanks of an element, first that on the movable sheave.
 #[derive(Clone, Copy, Debug)]
 pub struct BothFlanks<T> {
-    /// Motion of the flank on the movable sheave and of the other flank.
+    /// Their motion.
     pub motions: [FlankMotion<T>; 2],
-    /// Forces of both flanks.
+    /// Their forces.
     pub forces: [FlankForce<T>; 2],
     /// Sum of their loads.
     pub sum: FlankSum<T>,
@@ -99,8 +100,18 @@ pub struct BothFlanks<T> {
     pub offset: T,
 }
 
-/// Position of a point of the belt relative to its pulley, and the motion of its flanks on the
-/// sheaves.
+/// Place of a point of the belt, and the velocities of an element there.
+#[derive(Clone, Copy, Debug)]
+pub struct BeltPoint<T: Real, const D: usize> {
+    /// Position r of the ring, m.
+    pub r: SVector<T, D>,
+    /// Velocity v_e at the ring centre line, m/s.
+    pub v_e: SVector<T, D>,
+    /// Velocity v_p at the pitch line, m/s.
+    pub v_p: SVector<T, D>,
+}
+
+/// Place of a point of the belt on its pulley, and the motion of its flanks on the sheaves.
 #[derive(Clone, Copy, Debug)]
 pub struct FlankKinematics<T: Real> {
     /// Unit vector from the axis.
@@ -124,17 +135,16 @@ pub struct FlankKinematics<T: Real> {
 }
 
 impl<T: Real> FlankKinematics<T> {
-    /// The approach of a point r of the ring with the element velocities v_e at the ring centre
-    /// line and v_p at the pitch line, all in the plane of the drive.
+    /// The kinematics of a point.
     #[inline(always)]
-    pub fn new(
+    pub fn new<const D: usize>(
         law: &CellLaw,
         axis: T::Constant,
         pulley: &PulleyMotion<T>,
-        [r, v_e, v_p]: [Vector2<T>; 3],
+        point: &BeltPoint<T, D>,
     ) -> Self {
-        let [sin_beta, cos_beta, tan_beta] = law.wedge;
-        let arm = r - Vector2::new(T::constant(axis), T::zero());
+        let Wedge { sin, cos, tan } = law.wedge;
+        let arm = in_plane(&point.r) - Vector2::new(T::constant(axis), T::zero());
         let (distance, inverse_distance) = arm.dot(&arm).root_and_inverse();
         let e_r = arm * inverse_distance;
         let e_t = Vector2::new(e_r.y, -e_r.x);
@@ -142,7 +152,8 @@ impl<T: Real> FlankKinematics<T> {
         let opening = pulley.psi[0] * e_r.x - pulley.psi[1] * e_r.y;
         let opening_rate = (pulley.psi_dot[0] * e_r.x - pulley.psi_dot[1] * e_r.y) * rho;
         let opening_slope = pulley.psi[0] * e_r.y + pulley.psi[1] * e_r.x;
-        let (v_r, v_circumferential) = (v_e.dot(&e_r), v_p.dot(&e_t));
+        let v_r = in_plane(&point.v_e).dot(&e_r);
+        let v_circumferential = in_plane(&point.v_p).dot(&e_t);
         let surface = pulley.z_dot * 0.5 - opening_rate;
         let closing_surface = surface - pulley.omega * rho * opening_slope;
         Self {
@@ -155,28 +166,25 @@ impl<T: Real> FlankKinematics<T> {
             v_r,
             v_circumferential,
             flank: FlankMotion {
-                penetration: pulley.z * 0.5 - (rho - law.r0) * tan_beta - opening * rho,
-                penetration_rate: surface - (opening + tan_beta) * v_r - opening_slope * v_circumferential,
+                penetration: pulley.z * 0.5 - (rho - law.r0) * tan - opening * rho,
+                penetration_rate: surface - (opening + tan) * v_r - opening_slope * v_circumferential,
                 tangential: v_circumferential - pulley.omega * rho,
-                along_flank: v_r * cos_beta + closing_surface * sin_beta,
+                along_flank: v_r * cos + closing_surface * sin,
             },
         }
     }
 
-    /// Loads of the two flanks of an element with velocity v_e at the ring centre line. In the
-    /// plane both flanks have the same loads; in space the element may be out of the middle.
-    /// `plane` is [`CellGeometry::plane`](crate::variator::law::arguments::CellGeometry::plane).
+    /// Both flanks of an element: equal in the plane; in space the element may be out of the middle.
     #[inline(always)]
     pub fn both_flanks<const D: usize>(
         &self,
-        (law, friction): (&CellLaw, &Friction),
-        [side, middle]: [T::Constant; 2],
-        pulley: &PulleyMotion<T>,
-        (point, v_e): (&RingPoint<T, D>, &SVector<T, D>),
+        given: &CellInput<'_, T>,
+        point: &BeltPoint<T, D>,
         lambda: T,
     ) -> BothFlanks<T> {
+        let CellInput { law, friction, .. } = *given;
         let one = |flank: &FlankMotion<T>| {
-            let force = flank_force(&law.contact, friction, law.wedge[1], flank);
+            let force = flank_force(&law.contact, friction, law.wedge.cos, flank);
             (self.loads(law, lambda, flank, &force), force)
         };
         if D == 2 {
@@ -188,12 +196,14 @@ impl<T: Real> FlankKinematics<T> {
                 offset: T::zero(),
             };
         }
+        let SheavePlane { side, middle } = given.geometry.plane;
+        let pulley = &given.motion.pulley;
         let offset = (point.r[D - 1] - T::constant(middle)) * side + pulley.z * 0.5;
-        let speed = v_e[D - 1] * side + pulley.z_dot * 0.5;
-        let sin_beta = law.wedge[0];
+        let speed = point.v_e[D - 1] * side + pulley.z_dot * 0.5;
+        let sin = law.wedge.sin;
         let motions = [
-            self.flank.shifted(offset, speed, sin_beta),
-            self.flank.shifted(-offset, -speed, sin_beta),
+            self.flank.shifted(offset, speed, sin),
+            self.flank.shifted(-offset, -speed, sin),
         ];
         let [(movable, force), (fixed, other_force)] = motions.each_ref().map(one);
         BothFlanks {
@@ -213,11 +223,11 @@ impl<T: Real> FlankKinematics<T> {
         flank: &FlankMotion<T>,
         force: &FlankForce<T>,
     ) -> FlankLoads<T> {
-        let [sin_beta, cos_beta, tan_beta] = law.wedge;
-        let axial_normal = force.normal * cos_beta * lambda;
-        let axial_friction = force.along_flank * lambda * sin_beta;
+        let Wedge { sin, cos, tan } = law.wedge;
+        let axial_normal = force.normal * cos * lambda;
+        let axial_friction = force.along_flank * lambda * sin;
         FlankLoads {
-            radial: axial_normal * (self.opening + tan_beta) + force.along_flank * lambda * cos_beta,
+            radial: axial_normal * (self.opening + tan) + force.along_flank * lambda * cos,
             circumferential: axial_normal * self.opening_slope + force.tangential * lambda,
             torque: -(force.tangential * lambda + axial_friction * self.opening_slope) * self.rho,
             axial: axial_normal - axial_friction,
@@ -225,7 +235,7 @@ impl<T: Real> FlankKinematics<T> {
             loss: lambda
                 * (force.tangential * flank.tangential + force.along_flank * flank.along_flank)
                 * -1.0,
-            viscous: force.viscous * cos_beta * lambda * flank.penetration_rate,
+            viscous: force.viscous * cos * lambda * flank.penetration_rate,
         }
     }
 }

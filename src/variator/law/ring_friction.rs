@@ -7,8 +7,7 @@ use crate::scalar::{Real, smooth_plus};
 /// Smoothing width of the ring's normal load ⟨T − m_r ṡ²⟩₊, N.
 const RING_LOAD_SMOOTHING: f64 = 1.0;
 
-/// Part of the ring's tension that presses it on the elements, N: T − m_r ṡ², with m_r in kg/m, ṡ
-/// in m/s.
+/// Part T − m_r ṡ² of the ring's tension that presses it on the elements, N.
 #[inline(always)]
 pub fn pressing<T: Real>(mass_per_length: f64, tension: T, s_dot: T) -> T {
     tension - s_dot * s_dot * mass_per_length
@@ -20,8 +19,8 @@ fn ring_load<T: Real>(pressing: T) -> T {
     smooth_plus(pressing, RING_LOAD_SMOOTHING).0
 }
 
-/// Friction of the ring on elements per dξ, N/m, at the tension `pressing`, N, and the sliding
-/// speed `sliding`, m/s.
+/// Friction of the ring on elements per dξ, N/m, at the tension [`pressing`], N, and the sliding
+/// speed, m/s.
 #[inline(always)]
 pub fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
     let v0 = friction.ring_velocity;
@@ -29,9 +28,8 @@ pub fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, slidin
     ring_load(pressing) * kappa * friction.ring * sliding * inverse_speed
 }
 
-/// Drag of the ring's layers per dξ, N/m, at the tension `pressing`, N, and the speed `speed` of
-/// the ring along itself, m/s. `coefficient` is that of
-/// [`Layers::drag_coefficients`](layers::Layers::drag_coefficients).
+/// Drag of the ring's layers per dξ, N/m, at the tension [`pressing`], N, and the speed of the ring
+/// along itself, m/s, with one of [`drag_coefficients`](layers::Layers::drag_coefficients).
 #[inline(always)]
 pub fn layer_drag<T: Real>(coefficient: T, pressing: T, kappa: T, speed: T) -> T {
     coefficient * ring_load(pressing) * kappa * layers::direction(speed)

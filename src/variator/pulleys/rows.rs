@@ -90,9 +90,8 @@ impl<'a> Pulleys<'a> {
 
     /// Axial travel of a sheave between its stops.
     fn travel(&self, pulley: Pulley) -> Travel {
-        let [.., tan_beta] = self.belt.law.wedge;
-        let of = self.parameters.pulley(pulley);
-        Travel::new((of.min_radius, of.max_radius), self.belt.law.r0, tan_beta)
+        let (law, of) = (&self.belt.law, self.parameters.pulley(pulley));
+        Travel::new(of.min_radius..=of.max_radius, law.r0, &law.wedge)
     }
 
     /// Force of the end stops on a sheave, and its damping part.

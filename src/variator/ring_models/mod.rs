@@ -31,9 +31,10 @@ pub use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 pub use crate::variator::cell::balance::balance;
 pub use crate::variator::cell::degrees::{Degrees, DegreesOfFreedom};
 pub use crate::variator::cell::sample::{AtStation, Sample};
-pub use crate::variator::cell::state::{CellInput, CellPoints};
+pub use crate::variator::cell::state::CellPoints;
 pub use crate::variator::law::arguments::{
-    CellBalance, CellGeometry, CellLaw, CellMotion, PulleyMotion, SheavePlane, StateComponent,
+    CellBalance, CellGeometry, CellInput, CellLaw, CellMotion, Extent, FirstUnknowns, PulleyMotion,
+    SheavePlane, StateComponent,
 };
 pub use crate::variator::mesh::belt_mesh::{BeltMesh, CELL_POINTS, Cell, CellDivision};
 pub use crate::variator::mesh::layout::Layout;

@@ -4,7 +4,8 @@ use crate::reference_curve::{COORDINATES, ReferencePoint};
 use crate::ring::Ring;
 use crate::ring::ale::{self, RingDensity};
 use crate::ring::kinematics::{
-    ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
+    ElementLoad, ElementMotion, LineLoad, Motion, NodalUnknown, Node, ReferenceMotion, RingPoint,
+    RingVariation,
 };
 use crate::scalar::Real;
 use crate::solver::Factors;
@@ -100,9 +101,10 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
     fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: Factors) -> RingVariation<T, D> {
         let shape = &self.geometry.point(at).shape;
-        let (node, k, is_slope) = node_direction::<D>(own);
-        let which = [2 * node + usize::from(is_slope), k];
-        RingVariation::of_node(point, shape, &self.element, which, factors)
+        let (node, component, is_slope) = node_direction::<D>(own);
+        let function = 2 * node + usize::from(is_slope);
+        let unknown = NodalUnknown { function, component };
+        RingVariation::new(point, shape, &self.element, unknown, factors)
     }
 
     #[inline(always)]
@@ -134,7 +136,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     ) {
         let shape = &self.geometry.point(at).shape;
         sum.add(&station_load.load, point, shape, &self.element, station_load.weight);
-        sum.theta += own_load.on_length([&by.slope, &by.bend], &self.element) * station_load.weight;
+        sum.theta += own_load.on_length(&by.slope, &by.bend, &self.element) * station_load.weight;
     }
 
     #[inline(always)]

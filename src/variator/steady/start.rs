@@ -3,7 +3,7 @@
 //! form of a belt whose arcs transmit evenly (strand forces, uniform stretch, push force) was
 //! tried: it needs as many Newton iterations.
 
-use crate::pulley::{PerPulley, Pulley};
+use crate::pulley::{PerPulley, Pulley, Wedge};
 use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
 use crate::solver::State;
 use crate::variator::belt::Belt;
@@ -30,7 +30,7 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     let (reference_ratio, radii) = radii_at_pitch_ratio(&belt.curve, e, start.ratio)?;
     let theta = ratio_of_theta(reference_ratio);
     let frame = belt.curve.frame::<f64>(theta);
-    let [_, cos_beta, tan_beta] = law.wedge;
+    let Wedge { cos, tan, .. } = law.wedge;
     let pitch = PerPulley {
         secondary: radii.1 - e,
         primary: radii.0 - e,
@@ -43,9 +43,8 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     state.q[layout.theta()] = theta;
     state.y[layout.drift()] = speed * radii.0 / pitch.primary;
     for j in Pulley::BOTH {
-        let depth =
-            start.clamping[j].max(0.0) / (law.contact.stiffness * cos_beta * cos_beta * pitch[j] * wrap[j]);
-        state.q[layout.sheave(j)] = 2.0 * ((pitch[j] - law.r0) * tan_beta + depth);
+        let depth = start.clamping[j].max(0.0) / (law.contact.stiffness * cos * cos * pitch[j] * wrap[j]);
+        state.q[layout.sheave(j)] = 2.0 * ((pitch[j] - law.r0) * tan + depth);
         state.y[layout.shaft_speed(j)] = speed / pitch[j];
     }
     let length = belt.curve.length() - TAU * e;

@@ -125,7 +125,7 @@ pub fn onset(parameters: &Parameters, share: f64) -> Found<f64> {
     };
     let stations = stations(variator.system(), variator.state());
     let on_arcs = stations.iter().map(|at| &at.sample).filter(|s| s.on_arc());
-    let wrap: f64 = on_arcs.map(|s| 0.5 * s.curvature[0] * s.weight).sum();
+    let wrap: f64 = on_arcs.map(|s| 0.5 * s.curvature * s.weight).sum();
     Ok(variator.outputs().primary.idle_arc / wrap)
 }
 
