@@ -28,7 +28,7 @@
 //! β Dg/Dt, and its energy 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an
 //! element's path.
 
-use crate::scalar::{Real, soft_plus_energy_at};
+use crate::scalar::{PositivePart, Real, soft_plus_energy_at};
 
 /// Parameters of the contact between element flank and sheave.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -121,7 +121,11 @@ pub fn flank_force<T: Real>(
     cos_beta: f64,
     motion: &FlankMotion<T>,
 ) -> FlankForce<T> {
-    let [depth, touching, _] = motion.penetration.soft_plus(contact.roughness);
+    let PositivePart {
+        value: depth,
+        slope: touching,
+        ..
+    } = motion.penetration.soft_plus(contact.roughness);
     let k = contact.stiffness * cos_beta;
     let elastic = depth * k;
     let viscous = touching * motion.penetration_rate * (k * contact.damping);

@@ -1,7 +1,7 @@
 //! The two pulleys, values for each, and the end stops of the movable sheaves. Their equations of
 //! motion are in `variator/pulleys/`.
 
-use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
+use crate::scalar::{Real, smooth_plus_energy};
 use std::ops::{Index, IndexMut, RangeInclusive};
 
 /// A pulley of the variator, in the order along ξ.
@@ -145,11 +145,11 @@ impl Travel {
     /// Force of the stops at position `z` and speed `z_dot`.
     #[inline]
     pub fn stop_force<T: Real>(&self, z: T, z_dot: T) -> StopForce<T> {
-        let (over, in_closed) = smooth_plus(z - self.closed, STOP_SMOOTHING);
-        let (under, in_open) = smooth_plus(-z + self.open, STOP_SMOOTHING);
-        let viscous = (in_closed + in_open) * z_dot * (-STOP_STIFFNESS * STOP_DAMPING);
+        let over = (z - self.closed).smooth_plus(STOP_SMOOTHING);
+        let under = (-z + self.open).smooth_plus(STOP_SMOOTHING);
+        let viscous = (over.slope + under.slope) * z_dot * (-STOP_STIFFNESS * STOP_DAMPING);
         StopForce {
-            force: (under - over) * STOP_STIFFNESS + viscous,
+            force: (under.value - over.value) * STOP_STIFFNESS + viscous,
             viscous,
         }
     }

@@ -54,7 +54,7 @@
 //! path.
 
 use crate::ring::kinematics::{RingPoint, RingVariation, WithRate};
-use crate::scalar::{Real, smooth_plus, soft_plus_energy};
+use crate::scalar::{PositivePart, Real, soft_plus_energy};
 use nalgebra::SVector;
 
 /// Parameters of the push elements.
@@ -352,8 +352,7 @@ impl<T: Real> Push<T> {
 /// ⟨D⟩ over a width w, 1/s: D where elements approach, −w/2 where they separate, zero at rest.
 #[inline(always)]
 fn approach<T: Real>(rate: T, width: f64) -> T {
-    let [plus, ..] = rate.smooth_plus(width);
-    plus - 0.5 * width
+    rate.smooth_plus(width).value - 0.5 * width
 }
 
 /// Push force from the density ν of the elements and its material rate D, 1/s.
@@ -361,7 +360,11 @@ fn approach<T: Real>(rate: T, width: f64) -> T {
 pub fn push_force<T: Real>(belt: &PushElements, density: WithRate<T>) -> Push<T> {
     let WithRate { value: nu, rate } = density;
     let strain = nu - 1.0;
-    let [closed, contact, _] = strain.soft_plus(belt.contact_strain());
+    let PositivePart {
+        value: closed,
+        slope: contact,
+        ..
+    } = strain.soft_plus(belt.contact_strain());
     let near = ((closed - strain) * (belt.element_thickness / belt.film_thickness) + 1.0).recip();
     let approaching = approach(rate, RATE_SMOOTHING);
     let squeezed = approach(rate, 2.0 * belt.suction / belt.squeeze_damping.max(LEAST_SQUEEZE));
@@ -417,7 +420,7 @@ impl<T> Transport<T> {
 /// Throughput of a face: J ν of the cell upstream.
 #[inline(always)]
 pub fn flux<T: Real>(before: &Transport<T>, after: &Transport<T>) -> T {
-    let (forward, _) = smooth_plus(after.flow, UPWIND_SMOOTHING);
-    let (backward, _) = smooth_plus(-after.flow, UPWIND_SMOOTHING);
+    let forward = after.flow.smooth_plus(UPWIND_SMOOTHING).value;
+    let backward = (-after.flow).smooth_plus(UPWIND_SMOOTHING).value;
     forward * before.density - backward * after.density
 }

@@ -16,7 +16,7 @@
 //! pressure, from Δ = (1 + 0.02 (F/kN − 20))·1e-3, fitted to measured shifts (Carbone, Mangialardi,
 //! Bonsen, Tursi, Veenhuizen 2007).
 
-use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
+use crate::scalar::{Real, smooth_plus_energy};
 
 /// Tilt stiffness from which a sheave is treated as rigid, independent of its clearance, N·m/rad.
 pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
@@ -57,7 +57,7 @@ impl Tilt {
             return T::from(self.stiffness);
         }
         let amplitude = self.amplitude(psi);
-        let (beyond, _) = smooth_plus(amplitude - self.clearance, BEARING * self.clearance);
+        let beyond = (amplitude - self.clearance).smooth_plus(BEARING * self.clearance).value;
         beyond / amplitude * ((1.0 - SOFT) * self.stiffness) + SOFT * self.stiffness
     }
 

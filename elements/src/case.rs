@@ -66,7 +66,7 @@ impl Case {
     /// # Errors
     /// A value is out of its range.
     pub fn check(&self) -> Result<(), ParameterError> {
-        let (of, (lowest, highest)) = (&self.options, self.parameters.ratio_range());
+        let (of, (lowest, highest)) = (&self.options, self.parameters.ratio_range().into_inner());
         for (name, value, [least, most]) in [
             ("ratio", self.ratio, [lowest, highest]),
             ("start-ratio", self.started(), [lowest, highest]),
@@ -107,7 +107,7 @@ impl Case {
     /// Torque of the load on the secondary shaft, N·m.
     pub fn torque(&self) -> f64 {
         let (of, cos_beta) = (&self.parameters, self.parameters.geometry.wedge_angle.cos());
-        let radius = of.pitch_radii(self.ratio).map_or(f64::NAN, |(_, secondary)| secondary);
+        let radius = of.pitch_radii(self.ratio).map_or(f64::NAN, |radii| radii.secondary);
         self.share * full_slip_torque(&of.friction, cos_beta, self.options.force, radius)
     }
 
@@ -121,7 +121,8 @@ impl Case {
         let law = Law::new(&self.parameters, &self.options)?;
         let ratio = self.started();
         let no_belt = || ParameterError::new("start-ratio", ratio, "one at which the belt closes");
-        let (primary, secondary) = self.parameters.pitch_radii(ratio).ok_or_else(no_belt)?;
+        let radii = self.parameters.pitch_radii(ratio).ok_or_else(no_belt)?;
+        let (primary, secondary) = (radii.primary, radii.secondary);
         let path = Path::new(law.axes[1], [secondary, primary]);
         let n = law.count;
         let points = (0..n).map(|i| path.at(i as f64 / n as f64 * path.length()));

@@ -103,7 +103,7 @@ impl Law {
         if !(50.0..=1e5).contains(&count) {
             return error(name, thickness, "50 to 100000 elements in the belt");
         }
-        let Some((r0, _)) = parameters.pitch_radii(1.0) else {
+        let Some(r0) = parameters.pitch_radii(1.0).map(|radii| radii.primary) else {
             return error(
                 "geometry.beltLength",
                 geometry.belt_length,

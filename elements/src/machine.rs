@@ -252,7 +252,7 @@ impl Machine {
         }
         for touch in &self.flanks.touches {
             let penetration = touch.motion.penetration;
-            let [depth, ..] = penetration.soft_plus(contact.roughness);
+            let depth = penetration.soft_plus(contact.roughness).value;
             parts[4] += 2.0 * law.thickness * energy_density(contact, law.wedge.cos, penetration, depth);
         }
         for (j, of) in law.pulleys().into_iter().enumerate() {

@@ -44,7 +44,8 @@ impl Stack {
             let many = LANES.min(gaps - from);
             let pack = |of: &[f64]| Lanes::new(std::array::from_fn(|k| of[from + k.min(many - 1)]));
             let (overlap, approaching) = (-pack(length) + law.thickness, pack(rate));
-            let [closed, touching, _] = overlap.soft_plus(elements.roughness);
+            let closing = overlap.soft_plus(elements.roughness);
+            let (closed, touching) = (closing.value, closing.slope);
             let by_oil = law.oil.coefficient(closed - overlap, approaching);
             let touching = touching * stiffness;
             let total = touching * (dt + elements.damping) + by_oil;

@@ -13,7 +13,7 @@ fn end_tangent(step: [f64; 2], rise: [f64; 2]) -> f64 {
     }
 }
 
-/// The curve through `y` at ascending places `x`; constant beyond the ends.
+/// The curve through `y` at ascending points `x`; constant beyond the ends.
 fn curve(x: &[f64], y: &[f64]) -> impl Fn(f64) -> f64 {
     let last = x.len() - 1;
     let step = |k: usize| x[k + 1] - x[k];
@@ -30,29 +30,31 @@ fn curve(x: &[f64], y: &[f64]) -> impl Fn(f64) -> f64 {
         }
     };
     let tangents: Vec<f64> = (0..=last).map(tangent).collect();
-    move |at| {
-        let Some(k) = (0..last).find(|&k| (x[k]..x[k + 1]).contains(&at)) else {
-            return if at < x[0] { y[0] } else { y[last] };
+    move |point| {
+        let Some(k) = (0..last).find(|&k| (x[k]..x[k + 1]).contains(&point)) else {
+            return if point < x[0] { y[0] } else { y[last] };
         };
         let step = x[k + 1] - x[k];
-        let t = (at - x[k]) / step;
+        let t = (point - x[k]) / step;
         let (a, b) = (t * t * (3.0 - 2.0 * t), t * (1.0 - t));
         y[k] + (y[k + 1] - y[k]) * a + step * b * (tangents[k] * (1.0 - t) - tangents[k + 1] * t)
     }
 }
 
-/// Values at other places of an axis. The values of a place on it are `width` numbers, each with a
-/// curve of its own, and places of further axes before it follow one another.
-pub fn resampled(x: &[f64], values: &[f64], width: usize, at: impl Iterator<Item = f64>) -> Vec<f64> {
-    let at: Vec<f64> = at.collect();
-    let mut found = vec![0.0; values.len() / x.len() * at.len()];
-    let blocks = values.chunks(x.len() * width).zip(found.chunks_mut(at.len() * width));
+/// Values at other points of an axis. The values of a point on it are `width` numbers, each with a
+/// curve of its own, and points of further axes before it follow one another.
+pub fn resampled(x: &[f64], values: &[f64], width: usize, points: impl Iterator<Item = f64>) -> Vec<f64> {
+    let points: Vec<f64> = points.collect();
+    let mut found = vec![0.0; values.len() / x.len() * points.len()];
+    let blocks = values
+        .chunks(x.len() * width)
+        .zip(found.chunks_mut(points.len() * width));
     for (block, found) in blocks {
         for column in 0..width {
             let y: Vec<f64> = block.iter().skip(column).step_by(width).copied().collect();
             let curve = curve(x, &y);
-            for (found, at) in found.iter_mut().skip(column).step_by(width).zip(&at) {
-                *found = curve(*at);
+            for (found, point) in found.iter_mut().skip(column).step_by(width).zip(&points) {
+                *found = curve(*point);
             }
         }
     }

@@ -1,6 +1,7 @@
-//! The file of the tables: read from JSON, checked, and refined once by monotone cubics.
+//! The file of the tables: read from JSON, checked, refined by monotone cubics.
 
 use std::array::from_fn;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use pushbelt::variator::settings::{Parameters, parameters};
@@ -19,26 +20,25 @@ const FORMAT: &str = "pushbelt map unit";
 const VERSION: u64 = 1;
 /// Largest size of the file, bytes.
 const LARGEST_FILE: u64 = 1 << 24;
-/// Largest number of values of the refined tables: 128 MB, 29 times those of the variator that is
-/// part of the FMU.
+/// Largest number of values of the refined tables: 128 MB, 29 times those in the FMU.
 const MOST_VALUES: f64 = (1_u32 << 24) as f64;
-/// Least distance of neighbours on an axis, as a fraction of its largest place.
+/// Least distance of neighbours on an axis, as a fraction of its largest value.
 const LEAST_STEP: f64 = 1e-6;
 
 /// Parameters of the variator whose maps these are.
 const PARAMETERS: &str = "geometry.centerDistance geometry.beltLength geometry.wedgeAngle belt.pitchOffset \
                           friction.fall friction.fallSpeed";
 
-/// Least and greatest value of an axis or table.
-type Range = [f64; 2];
+/// Range of the values of an axis or table.
+type Range = RangeInclusive<f64>;
 
 /// Thrust ratios.
-pub const THRUST_RATIO: Range = [1e-3, 100.0];
+pub const THRUST_RATIO: Range = 1e-3..=100.0;
 /// Utilisations.
-pub const UTILISATION: Range = [-10.0, 10.0];
+pub const UTILISATION: Range = -10.0..=10.0;
 
 impl Tables {
-    /// Reads the tables from the folder of the resources, or says in a sentence why they can't be
+    /// Reads the tables from the folder of the resources, or returns a sentence why they can't be
     /// used.
     pub fn read(resources: &Path) -> Result<Self, String> {
         let path = resources.join(FILE);
@@ -56,20 +56,22 @@ impl Tables {
             return Err(format!("it is not of the format {FORMAT:?} in version {VERSION}"));
         }
         let axis = |name: &str, range: Range| axis(&document, name, range);
-        let (forces, speeds) = (axis("force", [1e-3, 1e7])?, axis("speed", [1e-3, 1e5])?);
-        let (ratios, utilisation) = (axis("ratio", [0.01, 100.0])?, axis("utilisation", UTILISATION)?);
-        let (share, excess) = (axis("slipShare", [-1.0, 1.0])?, axis("excess", [-100.0, 100.0])?);
+        let (forces, speeds) = (axis("force", 1e-3..=1e7)?, axis("speed", 1e-3..=1e5)?);
+        let (ratios, utilisation) = (axis("ratio", 0.01..=100.0)?, axis("utilisation", UTILISATION)?);
+        let (share, excess) = (axis("slipShare", -1.0..=1.0)?, axis("excess", -100.0..=100.0)?);
         let shift_utilisations = axis("shiftUtilisation", UTILISATION)?;
-        if axis("direction", [-1.0, 1.0])? != [-1.0, 1.0] || share[0] != -1.0 || share[share.len() - 1] != 1.0
+        if axis("direction", -1.0..=1.0)? != [-1.0, 1.0] || share[0] != -1.0 || share[share.len() - 1] != 1.0
         {
             return Err("it is damaged: the axes direction and slipShare must end with -1 and 1".to_owned());
         }
         let (lines, rates) = (forces.len() * speeds.len(), shift_utilisations.len());
-        // Before memory is taken: a file of few numbers may have many refined ones.
-        let wide = |axis: &[f64], fine: usize| axis.len().max(fine);
-        let row =
-            3 * wide(&utilisation, UTILISATIONS) + wide(&share, SHARES) + rates * wide(&excess, EXCESSES) + 4;
-        let most = lines as f64 * wide(&ratios, RATIOS) as f64 * row as f64;
+        // Before an allocation: a file of few numbers may have many refined ones.
+        let width = |axis: &[f64], fine: usize| axis.len().max(fine);
+        let row = 3 * width(&utilisation, UTILISATIONS)
+            + width(&share, SHARES)
+            + rates * width(&excess, EXCESSES)
+            + 4;
+        let most = lines as f64 * width(&ratios, RATIOS) as f64 * row as f64;
         if most > MOST_VALUES {
             return Err(format!(
                 "its tables have {most:e} values after refinement, and at most {MOST_VALUES} are allowed: fewer forces, speeds or \
@@ -81,11 +83,11 @@ impl Tables {
             lines,
             ratios: ratios.iter().map(|ratio| ratio.ln()).collect(),
         };
-        let of_belt = |name, range| file.numbers(name, utilisation.len(), range);
+        let numbers = |name, range| file.numbers(name, utilisation.len(), range);
         let belt = [
-            of_belt("thrustRatio", THRUST_RATIO)?,
-            of_belt("beltTorqueLoss", [-1e4, 1e4])?,
-            of_belt("bearingLoad", [0.0, 1e7])?,
+            numbers("thrustRatio", THRUST_RATIO)?,
+            numbers("beltTorqueLoss", -1e4..=1e4)?,
+            numbers("bearingLoad", 0.0..=1e7)?,
         ];
         let ([against, along], [slip_against, slip_along]) = (
             file.capacities("capacity", 1e-3, 10.0)?,
@@ -97,7 +99,7 @@ impl Tables {
             ratios: UniformAxis::over(&file.ratios, RATIOS),
             belt: file.refined(1, belt, &utilisation, UTILISATIONS),
             traction: file.rising("traction", 1, UTILISATION, &share, SHARES)?,
-            shift_rates: file.rising("shiftRate", rates, [-1e3, 1e3], &excess, EXCESSES)?,
+            shift_rates: file.rising("shiftRate", rates, -1e3..=1e3, &excess, EXCESSES)?,
             limits: file.refined(1, [against, along, slip_against, slip_along], &[0.0], 1),
             forces,
             speeds: speeds.iter().map(|speed| speed * speed).collect(),
@@ -114,7 +116,7 @@ struct File<'a> {
 }
 
 impl File<'_> {
-    /// The numbers of a table, so many for each force, speed and ratio.
+    /// The numbers of a table, `width` for each force, speed and ratio.
     fn numbers(&self, name: &str, width: usize, range: Range) -> Result<Vec<f64>, String> {
         let count = self.lines * self.ratios.len() * width;
         let values = flat(&self.document["tables"][name]["values"]);
@@ -128,18 +130,16 @@ impl File<'_> {
         Ok(values)
     }
 
-    /// The values against and along the direction of running, whose signs are those of the
-    /// direction.
+    /// The values against and along the direction of running, with its sign.
     fn capacities(&self, name: &str, least: f64, most: f64) -> Result<[Vec<f64>; 2], String> {
-        let values = self.numbers(name, 2, [-most, most])?;
-        let of = |at: usize| values.iter().skip(at).step_by(2).copied().collect::<Vec<_>>();
-        check_range(&format!("the table {name} in direction -1"), &of(0), [-most, -least])?;
-        check_range(&format!("the table {name} in direction 1"), &of(1), [least, most])?;
-        Ok([of(0), of(1)])
+        let values = self.numbers(name, 2, -most..=most)?;
+        let [against, along] = [0, 1].map(|n| values.iter().skip(n).step_by(2).copied().collect::<Vec<_>>());
+        check_range(&format!("the table {name} in direction -1"), &against, -most..=-least)?;
+        check_range(&format!("the table {name} in direction 1"), &along, least..=most)?;
+        Ok([against, along])
     }
 
-    /// Tables with so many rows for each force, speed and ratio, refined along the rows and along
-    /// the ratio.
+    /// Tables with `rows` for each force, speed and ratio, refined along the rows and the ratio.
     fn refined<const N: usize>(
         &self,
         rows: usize,
@@ -149,11 +149,11 @@ impl File<'_> {
     ) -> Table<N> {
         let (axis, ratios) = (UniformAxis::over(along, count), UniformAxis::over(&self.ratios, RATIOS));
         let tables = tables.map(|values| {
-            let values = resampled(along, &values, 1, axis.places());
-            resampled(&self.ratios, &values, rows * axis.count, ratios.places())
+            let values = resampled(along, &values, 1, axis.points());
+            resampled(&self.ratios, &values, rows * axis.count, ratios.points())
         });
-        let places = 0..tables[0].len();
-        let values = places.map(|k| from_fn(|n| tables[n][k])).collect();
+        let points = 0..tables[0].len();
+        let values = points.map(|k| from_fn(|n| tables[n][k])).collect();
         Table { axis, rows, values }
     }
 
@@ -195,7 +195,7 @@ fn parameters_of(document: &Value) -> Result<Parameters, String> {
     Ok(of)
 }
 
-/// The places of an axis.
+/// The values of an axis.
 fn axis(document: &Value, name: &str, range: Range) -> Result<Vec<f64>, String> {
     let values = flat(&document["axes"][name]["values"]);
     check_range(&format!("the axis {name}"), &values, range)?;
@@ -218,11 +218,11 @@ pub fn flat(value: &Value) -> Vec<f64> {
 }
 
 /// Checks that values are numbers in a range.
-fn check_range(name: &str, values: &[f64], [least, most]: Range) -> Result<(), String> {
-    let Some(at) = values.iter().position(|value| !(least..=most).contains(value)) else {
+fn check_range(name: &str, values: &[f64], range: Range) -> Result<(), String> {
+    let Some(index) = values.iter().position(|value| !range.contains(value)) else {
         return Ok(());
     };
-    let (value, place) = (values[at], at + 1);
+    let (value, place, (least, most)) = (values[index], index + 1, range.into_inner());
     Err(format!(
         "{name} has the value {value:?} in place {place}, which is out of range: {least} to {most}"
     ))

@@ -1,5 +1,4 @@
-//! What an importer sets and reads: the variables of the detailed unit that maps have values for, and
-//! `map.outside`.
+//! The variables: those of the detailed unit that maps have values for, and `map.outside`.
 
 use std::sync::Arc;
 
@@ -34,12 +33,11 @@ const WHOLE: &str = "thrustRatio belt.speed ratio.speed ratio.geometric slip eff
                      macroSlip loss.total loss.shafts loss.seals stored.energy initial.ratio initial.primarySpeed \
                      initial.steady initial.equilibrium initial.strict friction.pulley inputs.ramp";
 
-/// Variables that a pulley of the detailed unit has and one of maps has not.
+/// Variables that only a pulley of the detailed unit has.
 const NOT_OF_PULLEY: &str =
     "position tilt idleArc sheaveMass sheaveDamping tiltStiffness tiltClearance tiltTime";
 
-/// Description of a variable, of a pulley without its name, where that of the detailed unit does
-/// not hold; `{}` stands for the pulley.
+/// Description of a variable, where it differs from that of the detailed unit; `{}` is the pulley.
 #[rustfmt::skip]
 fn text(name: &str) -> Option<&'static str> {
     Some(match name {

@@ -1,16 +1,16 @@
 //! One implicit stage: y = base + k f(y).
 //!
 //! For given ratio, drag and belt loss both speeds are linear in the torque T_P, so the sliding
-//! speed is v = v_0 − m T_P(v) with m ≥ 0. This equation in one unknown has a bracket, and is
-//! solved by Newton's method with bisection as a fallback. Ratio, drag and belt loss follow in an
-//! outer iteration.
+//! speed is v = v_0 − m T_P(v) with m ≥ 0. This equation is solved by Newton's method in a bracket
+//! with bisection. Ratio, drag and belt loss follow in an outer iteration.
 
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::variator::settings::{Drive, Inputs, SPEED_LAG};
 
 use crate::file::UTILISATION;
 use crate::law::{Law, Point, State};
-use crate::tuning::{ITERATIONS, LEAST_FRACTION, TOLERANCE};
+use crate::tables::Sloped;
+use crate::tuning::{LEAST_FRACTION, SLIDING_ITERATIONS, STAGE_ITERATIONS, TOLERANCE};
 
 impl Law {
     /// The solution of a stage under the inputs at its time, from a guess; none if the iteration
@@ -18,7 +18,7 @@ impl Law {
     pub fn stage(&self, inputs: &Inputs, base: &State, k: f64, guess: &State) -> Option<State> {
         let mut state = *guess;
         let mut before = f64::INFINITY;
-        for _ in 0..ITERATIONS {
+        for _ in 0..STAGE_ITERATIONS {
             let next = self.iterate(inputs, base, k, &state)?;
             let relative =
                 |j: Pulley| (next.speeds[j] - state.speeds[j]).abs() / (1.0 + next.speeds[j].abs());
@@ -38,7 +38,7 @@ impl Law {
     /// The next iterate; none if it is not finite, which the largest change would leave out.
     fn iterate(&self, inputs: &Inputs, base: &State, k: f64, state: &State) -> Option<State> {
         let point = self.point(state, inputs);
-        let [utilisation, _] = point.traction;
+        let utilisation = point.traction.value;
         let drags = self.drags(&point);
         // Speeds without T_P and their slopes over it: J (ω − base) = k (T + own + lever T_P −
         // drag), with the drag linear about the present speed; or the lag behind the set point.
@@ -46,27 +46,31 @@ impl Law {
             let (pulley, inputs, drag) = (self.parameters.pulley(j), inputs.pulley(j), drags[j]);
             if pulley.drive == Drive::Speed {
                 let fraction = k / SPEED_LAG;
-                return [
-                    (base.speeds[j] + fraction * inputs.speed_setpoint) / (1.0 + fraction),
-                    0.0,
-                ];
+                return Sloped {
+                    value: (base.speeds[j] + fraction * inputs.speed_setpoint) / (1.0 + fraction),
+                    slope: 0.0,
+                };
             }
-            let [own, lever] = match j {
-                Pulley::Primary => [0.0, -1.0],
-                Pulley::Secondary => [-point.ratio * point.torque_loss, point.ratio],
+            let (own, lever) = match j {
+                Pulley::Primary => (0.0, -1.0),
+                Pulley::Secondary => (-point.ratio * point.torque_loss, point.ratio),
             };
             let per_torque = k / (pulley.inertia + k * drag.by_speed);
             let torque = inputs.torque + own - drag.torque + drag.by_speed * state.speeds[j];
             let free = pulley.inertia / k * base.speeds[j] + torque;
-            [per_torque * free, per_torque * lever]
+            Sloped {
+                value: per_torque * free,
+                slope: per_torque * lever,
+            }
         });
         // v_0 and −m for each N·m.
-        let [free, per_torque] = [0, 1].map(|n| point.sliding_at(lines.map(|line| line[n])));
-        // The ratio changes with the torque too, by way of the thrust ratio: to first order it is
-        // part of the equation.
-        let (rate, slope) = self.shift(&point);
+        let free = point.sliding_at(lines.map(|line| line.value));
+        let per_torque = point.sliding_at(lines.map(|line| line.slope));
+        // The ratio changes with the torque by way of the thrust ratio: to first order in the
+        // equation.
+        let Sloped { value: rate, slope } = self.shift(&point);
         let around = point.radius * point.ratio * state.speeds.secondary;
-        let [least, most] = self.stops;
+        let (least, most) = self.stops.clone().into_inner();
         let behind = (base.log_ratio + k * rate).clamp(least, most) - state.log_ratio;
         let per_utilisation = -per_torque * point.full_slip;
         let coupled =
@@ -75,7 +79,7 @@ impl Law {
         let found = self.utilisation(&point, free, per_utilisation + coupled)?;
         let torque = point.full_slip * found;
         let next = State {
-            speeds: lines.map(|[constant, slope]| constant + slope * torque),
+            speeds: lines.map(|line| line.value + line.slope * torque),
             log_ratio: (base.log_ratio + k * (rate + slope * (found - utilisation))).clamp(least, most),
             ..*state
         };
@@ -83,17 +87,18 @@ impl Law {
         (primary + secondary + next.log_ratio).is_finite().then_some(next)
     }
 
-    /// The utilisation at the root of v − `free` + `per_utilisation` u(v), sought from a point.
+    /// The utilisation at the root of v − `free` + `per_utilisation` u(v), from a point on.
     fn utilisation(&self, point: &Point, free: f64, per_utilisation: f64) -> Option<f64> {
-        let reach = UTILISATION[1] * per_utilisation;
+        let reach = UTILISATION.end() * per_utilisation;
         let (mut low, mut high) = (free - reach, free + reach);
-        let (mut v, [mut value, mut slope]) = (point.sliding, point.traction);
+        let (mut v, mut traction) = (point.sliding, point.traction);
         if v < low || v > high {
             v = v.clamp(low, high);
-            [value, slope] = self.traction(point, v);
+            traction = self.traction(point, v);
         }
         let tolerance = 1e-11 + 1e-13 * (free.abs() + reach);
-        for _ in 0..ITERATIONS {
+        for _ in 0..SLIDING_ITERATIONS {
+            let Sloped { value, slope } = traction;
             let excess = v - free + per_utilisation * value;
             *(if excess > 0.0 { &mut high } else { &mut low }) = v;
             let steepness = 1.0 + per_utilisation * slope;
@@ -106,7 +111,7 @@ impl Law {
             }
             let inside = steepness > 0.0 && newton > low && newton < high;
             v = if inside { newton } else { 0.5 * (low + high) };
-            [value, slope] = self.traction(point, v);
+            traction = self.traction(point, v);
         }
         None
     }

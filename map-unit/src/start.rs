@@ -4,17 +4,18 @@ use pushbelt::pulley::PerPulley;
 use pushbelt::variator::settings::{Axial, BEYOND_STOP, Drive, bisected};
 use pushbelt_fmi::unit::Message;
 
-use crate::tuning::{ITERATIONS, TOLERANCE};
+use crate::tuning::{START_ITERATIONS, START_TOLERANCE};
 use crate::unit::MapUnit;
 
 impl MapUnit {
-    /// Sets the state at the start, or returns why there is none.
+    /// Sets the state at the start, or returns the reason why there is none.
     pub(crate) fn initialise(&mut self, remarks: &mut Vec<Message>) -> Result<(), String> {
         let initial = self.law.parameters.initial.clone();
-        let (ratio, [least, most]) = (initial.ratio, self.law.stops);
+        let ratio = initial.ratio;
+        let (least, most) = self.law.stops.clone().into_inner();
         self.state.log_ratio = ratio.ln().clamp(least, most);
         if (self.state.log_ratio - ratio.ln()).abs() > BEYOND_STOP.ln() {
-            let [least, most] = self.law.stops.map(f64::exp);
+            let [least, most] = [least, most].map(f64::exp);
             remarks.push(Message::warning(format!(
                 "initial.ratio = {ratio} is beyond the end stops: {least:.4} to {most:.4}; the run starts at the stop"
             )));
@@ -23,15 +24,15 @@ impl MapUnit {
             Drive::Speed => self.inputs.primary.speed_setpoint,
             Drive::Torque => initial.primary_speed,
         };
-        let ([without_torque, ..], _) = self.law.tables.belt.interpolate(&self.present().place, 0, 0.0);
-        self.state.thrust_ratio = without_torque;
+        let [thrust, ..] = self.law.tables.belt.interpolate(&self.present().position, 0, 0.0);
+        self.state.thrust_ratio = thrust.value;
         let mut settled = self.solve_equilibrium();
         // The force on a held secondary sheave follows from the thrust ratio, which depends on the
         // slip.
         if self.law.parameters.secondary.axial == Axial::Held {
-            for _ in 0..ITERATIONS {
+            for _ in 0..START_ITERATIONS {
                 let found = self.present().thrust_ratio;
-                if (found - self.state.thrust_ratio).abs() < TOLERANCE {
+                if (found - self.state.thrust_ratio).abs() < START_TOLERANCE {
                     break;
                 }
                 self.state.thrust_ratio = found;
@@ -53,20 +54,19 @@ impl MapUnit {
 
     /// Moves the ratio to the equilibrium of the clamping forces, or to an end stop.
     fn balance(&mut self) -> Result<(), String> {
-        self.state.log_ratio = bisected(self.law.stops, |log_ratio| {
+        self.state.log_ratio = bisected(self.law.stops.clone(), |log_ratio| {
             self.state.log_ratio = log_ratio;
-            // What a ratio on the way does not carry is of no interest.
+            // At such a ratio the belt may slip through.
             let _ = self.solve_equilibrium();
             let point = self.present();
-            // Too small a primary force: the ratio grows.
+            // Under too small a primary force the ratio grows.
             point.clamping.primary < point.thrust_ratio * point.clamping.secondary
         });
         self.solve_equilibrium()
     }
 
-    /// Sets the speed of the shaft that is not given at the present ratio: that of the steady slip,
-    /// of the set point, or without slip. An error is the reason why it is without slip though it
-    /// should not be.
+    /// Sets the speed of the free shaft at the present ratio: with the steady slip, of the set
+    /// point, or without slip. An error is the reason why there is no steady slip.
     fn solve_equilibrium(&mut self) -> Result<(), String> {
         let of = &self.law.parameters;
         let [primary_led, secondary_led] =
@@ -85,8 +85,8 @@ impl MapUnit {
             return Ok(());
         }
         let (without, point) = (self.state.speeds, self.present());
-        // Utilisation of the belt at a slip less that at which this slip would be steady, and
-        // whether the belt slips through.
+        // Utilisation at a slip less that at which it is steady, and whether the belt slips
+        // through.
         let mut excess = |slip: f64| {
             // s = v/q; where the secondary speed is given, q is that of running speed.
             let speeds = &mut self.state.speeds;
@@ -96,14 +96,14 @@ impl MapUnit {
                 speeds.secondary = (without.primary - slip * point.speed / point.radius) / ratio;
             }
             let point = self.present();
-            (point.traction[0] - self.steady_utilisation(), point.macro_slip())
+            (point.traction.value - self.steady_utilisation(), point.macro_slip())
         };
         // Beyond the capacity the traction falls: only the rising part is searched.
-        let slip = bisected([-0.99, 0.99], |slip| match excess(slip) {
+        let slip = bisected(-0.99..=0.99, |slip| match excess(slip) {
             (_, true) => slip < 0.0,
             (excess, false) => excess < 0.0,
         });
-        if excess(slip).0.abs() < TOLERANCE {
+        if excess(slip).0.abs() < START_TOLERANCE {
             return Ok(());
         }
         self.state.speeds = without;

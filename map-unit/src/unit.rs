@@ -1,7 +1,7 @@
 //! The unit of the FMU: steps, outputs, stored states.
 //!
 //! Steps are those of an L-stable method of second order (SDIRK2, γ = 1 − 1/√2), at most 10 ms
-//! long. Inputs are linear over each step.
+//! long, with linear inputs.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::file::THRUST_RATIO;
 use crate::law::{Law, Point, State};
 use crate::settings::{self, Readings, Settings};
 use crate::tables::Tables;
-use crate::tuning::{LONGEST, MAX_STORED, MOST_PER_LONGEST, MOST_STEPS, SHORTEST};
+use crate::tuning::{LONGEST, MAX_STORED_INPUT, MAX_STORED_SPEED, MOST_PER_LONGEST, MOST_STEPS, SHORTEST};
 
 /// A variator from maps.
 #[derive(Clone, Debug)]
@@ -29,8 +29,8 @@ pub struct MapUnit {
     time: f64,
     /// Inputs at the present time.
     pub(crate) inputs: Inputs,
-    /// Whether it has been logged that the state is beyond the tables, that a pressure opens a
-    /// pulley, and that one acts on no area.
+    /// Whether it was logged that the state is beyond the tables, that a pressure opens a pulley,
+    /// and that one acts on no area.
     outside: bool,
     opened: bool,
     idle: PerPulley<bool>,
@@ -38,7 +38,7 @@ pub struct MapUnit {
 }
 
 impl MapUnit {
-    /// What acts in the present state, and what the tables give there.
+    /// Loads and values of the tables in the present state.
     pub(crate) fn present(&self) -> Point {
         self.law.point(&self.state, &self.inputs)
     }
@@ -50,10 +50,10 @@ impl MapUnit {
         let change = to.after(-1.0, &self.inputs);
         let first = self.law.stage(&self.inputs.after(GAMMA, &change), &start, k, &start)?;
         // base = y + h (1 − γ) f₁, with h γ f₁ = Y₁ − y.
-        let ahead = |start: f64, first: f64| start + (1.0 - GAMMA) / GAMMA * (first - start);
+        let extrapolated = |start: f64, first: f64| start + (1.0 - GAMMA) / GAMMA * (first - start);
         let base = State {
-            speeds: PerPulley::from_fn(|j| ahead(start.speeds[j], first.speeds[j])),
-            log_ratio: ahead(start.log_ratio, first.log_ratio),
+            speeds: PerPulley::from_fn(|j| extrapolated(start.speeds[j], first.speeds[j])),
+            log_ratio: extrapolated(start.log_ratio, first.log_ratio),
             ..start
         };
         (self.state, self.inputs) = (self.law.stage(to, &base, k, &first)?, *to);
@@ -67,7 +67,7 @@ impl MapUnit {
     fn advance_to(&mut self, to: f64, inputs: &InputProfile) -> Result<(), String> {
         self.inputs = inputs.evaluate(self.time);
         for end in [inputs.kink.max(self.time).min(to), to] {
-            // A count, so that the loop ends whatever the tables and inputs are.
+            // The loop ends with any tables and inputs.
             let most = MOST_STEPS + MOST_PER_LONGEST * (end - self.time) / LONGEST;
             let (mut longest, mut steps) = (LONGEST, 0.0);
             while end > self.time {
@@ -96,13 +96,12 @@ impl MapUnit {
         Ok(())
     }
 
-    /// Sets the readings, and logs once each that a pressure acts on no area, that one opens its
-    /// pulley and that the state is beyond the tables.
+    /// Sets the readings, and logs each of the three warnings once.
     fn observe(&mut self, remarks: &mut Vec<Message>) {
         let (point, of) = (self.present(), &self.law.parameters);
         let opens = of.opening_pressure(&self.inputs, point.clamping, self.time);
         let opens = opens.filter(|_| !self.opened);
-        let outside = (point.place.outside && !self.outside).then(|| {
+        let outside = (point.position.outside && !self.outside).then(|| {
             format!(
                 "the state is beyond the tables, whose values at the border are used: ratio {:.4}, primary speed {:.1} rad/s, \
                  secondary force {:.0} N; map.outside shows it from now on",
@@ -123,9 +122,9 @@ impl MapUnit {
             secondary: -point.ratio * (point.torque() - point.torque_loss),
         };
         let drags = self.law.drags(point).map(|drag| drag.torque);
-        let (rate, _) = self.law.shift(point);
-        let ([least, most], log_ratio) = (self.law.stops, self.state.log_ratio);
-        let at_stop = log_ratio <= least && rate < 0.0 || log_ratio >= most && rate > 0.0;
+        let rate = self.law.shift(point).value;
+        let (stops, log_ratio) = (&self.law.stops, &self.state.log_ratio);
+        let at_stop = log_ratio <= stops.start() && rate < 0.0 || log_ratio >= stops.end() && rate > 0.0;
         // As in the detailed unit the sheaves start at rest.
         let rests = at_stop || self.time == 0.0;
         let velocities = point.ways.map(|way| if rests { 0.0 } else { way * rate });
@@ -161,7 +160,7 @@ impl MapUnit {
         };
         let mut outputs = Outputs {
             belt_speed: 0.5 * point.radius * (speeds.primary + point.ratio * speeds.secondary),
-            torque_utilisation: point.traction[0].abs(),
+            torque_utilisation: point.traction.value.abs(),
             macro_slip: point.macro_slip(),
             losses: Losses {
                 // Maps have the belt's loss as a whole.
@@ -176,7 +175,7 @@ impl MapUnit {
             ..Outputs::default()
         };
         outputs.set_quotients(PerPulley::from_fn(|j| -into[j] - drags[j]));
-        let outside = point.place.outside;
+        let outside = point.position.outside;
         Readings { outputs, outside }
     }
 }
@@ -295,15 +294,15 @@ impl Unit for MapUnit {
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {
         let PerPulley { primary, secondary } = &mut self.state.speeds;
-        archive.bounded_real(primary, -MAX_STORED, MAX_STORED);
-        archive.bounded_real(secondary, -MAX_STORED, MAX_STORED);
-        let [least, most] = self.law.stops;
+        archive.bounded_real(primary, -MAX_STORED_SPEED, MAX_STORED_SPEED);
+        archive.bounded_real(secondary, -MAX_STORED_SPEED, MAX_STORED_SPEED);
+        let (least, most) = self.law.stops.clone().into_inner();
         archive.bounded_real(&mut self.state.log_ratio, least, most);
         archive.real(&mut self.time);
-        let [least, most] = THRUST_RATIO;
+        let (least, most) = THRUST_RATIO.into_inner();
         archive.bounded_real(&mut self.state.thrust_ratio, least, most);
         for value in self.inputs.each_mut() {
-            archive.bounded_real(value, -MAX_STORED, MAX_STORED);
+            archive.bounded_real(value, -MAX_STORED_INPUT, MAX_STORED_INPUT);
         }
         archive.flag(&mut self.outside);
         archive.flag(&mut self.opened);

@@ -81,13 +81,13 @@ impl<R: OtherEquations> BeltRing for EvenMesh<R> {
     fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
         let geometry = &parameters.geometry;
         let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
-        let extremes: [f64; 2] = parameters.ratio_range().into();
+        let ratios = parameters.ratio_range();
         let arc = |ratio: f64| {
             let frame = curve.frame(ratio_of_theta(ratio));
             let length = |segment| TwoPulley::segment_length::<f64>(&frame, segment).v;
             (2.0 * length(0)).max(length(2))
         };
-        let longest = extremes.into_iter().map(arc).fold(0.0, f64::max);
+        let longest = arc(*ratios.start()).max(arc(*ratios.end()));
         if longest < 0.5 * geometry.belt_length {
             return self.0.check(parameters);
         }

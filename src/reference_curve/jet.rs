@@ -31,6 +31,7 @@ impl<V> Jet<V> {
 impl<T: Real> Jet<T> {
     /// A constant.
     #[inline(always)]
+    #[must_use]
     pub fn constant(value: f64) -> Self {
         Self {
             v: T::from(value),

@@ -1,6 +1,7 @@
 //! The linear model of a variator in the names of the interface, as JSON.
 
 use serde_json::{Value, json};
+use std::ops::RangeInclusive;
 
 use crate::fmi::table::{Access, Kind, Variable};
 use crate::fmi::unit::Message;
@@ -11,14 +12,17 @@ use crate::variator::linear::{LinearModel, Load, linearise_at};
 use crate::variator::settings::Outputs;
 
 /// Frequencies below which modes can be kept, Hz.
-const FREQUENCIES: (f64, f64) = (1.0e-2, 1.0e5);
+const FREQUENCIES: RangeInclusive<f64> = 1.0e-2..=1.0e5;
 
-/// An output of the linear model: name, unit, and getter of its value.
-type Column<'a> = (&'a str, &'static str, fn(&Outputs) -> f64);
+/// An output of the linear model.
+struct Column<'a> {
+    name: &'a str,
+    unit: &'static str,
+    get: fn(&Outputs) -> f64,
+}
 
-/// The linear model about the present state of `unit`, whose inputs are those of `settings`. Modes
-/// below `frequency`, Hz, are its states. There is a warning for each difference from the specified
-/// point.
+/// The linear model about the present state of `unit` under the inputs of `settings`, with modes
+/// below `frequency`, Hz, and a warning for each difference from the specified point.
 ///
 /// # Errors
 /// The reason, as a sentence.
@@ -28,15 +32,15 @@ pub fn linear_model<R: Rings>(
     frequency: f64,
     remarks: &mut Vec<Message>,
 ) -> Result<String, String> {
-    let (least, most) = FREQUENCIES;
-    if !(least..=most).contains(&frequency) {
+    if !FREQUENCIES.contains(&frequency) {
+        let (least, most) = FREQUENCIES.into_inner();
         return Err(format!(
             "frequency = {frequency} Hz, below which modes are kept, is out of range: {least} to {most} Hz"
         ));
     }
     let outputs: Vec<_> = table::outputs().collect();
     let columns: Vec<_> = outputs.iter().filter_map(column).collect();
-    let read: Vec<&dyn Fn(&Outputs) -> f64> = columns.iter().map(|(.., get)| get as _).collect();
+    let read: Vec<&dyn Fn(&Outputs) -> f64> = columns.iter().map(|column| &column.get as _).collect();
     let time = unit.variator.time();
     let found = linearise_at(&mut unit.variator, &settings.inputs, frequency, &read);
     let found = found.map_err(|error| error.to_string())?;
@@ -52,7 +56,11 @@ fn column(output: &Variable<(), Outputs>) -> Option<Column<'_>> {
             unit,
             access: Access::Reading(get),
             ..
-        } => Some((&output.name, unit, get)),
+        } => Some(Column {
+            name: &output.name,
+            unit,
+            get,
+        }),
         _ => None,
     }
 }
@@ -62,8 +70,7 @@ fn to_json(model: &LinearModel, columns: &[Column<'_>], frequency: f64, time: f6
         let (given, held) = (load.value(&model.given), load.value(&model.inputs));
         json!({"name": load.name(), "unit": load.unit(), "given": given, "held": held})
     };
-    let output =
-        |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&model.outputs)});
+    let output = |column: &Column<'_>| json!({"name": column.name, "unit": column.unit, "value": (column.get)(&model.outputs)});
     json!({
         "about": "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it",
         "frequency": {"unit": "Hz", "value": frequency},

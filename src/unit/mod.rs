@@ -1,5 +1,4 @@
-//! The variator as a unit of the FMI layer: the table that binds the interface's names to its
-//! parameters, inputs and outputs, and the implementation of the unit. The package `library`
+//! The variator as a unit of the FMI layer, with its table of variables. The package `library`
 //! exports its C functions.
 
 mod linear;

@@ -1,5 +1,4 @@
-//! The values that an importer sets; the rings that a unit offers, and the variables that choose among
-//! them.
+//! The settings of a unit; its rings, and the variables that choose among them.
 
 use crate::fmi::table::{Access, Causality, Enumeration, Kind, Retired, Variable};
 use crate::fmi::unit::Identity;
@@ -18,7 +17,7 @@ pub struct Settings<R = StandardRings> {
     pub parameters: Parameters,
     /// Inputs of the variator.
     pub inputs: Inputs,
-    /// What the unit alone has: of a variator, parameters of the choice of a ring.
+    /// Settings of the unit alone: of a variator, the choice of a ring.
     pub own: R,
 }
 
@@ -27,8 +26,16 @@ pub struct Settings<R = StandardRings> {
 pub struct StandardRings;
 
 /// A row of a parameter of the whole variator.
+#[must_use]
 pub fn parameter<S, Q>(name: &str, reference: u32, text: &str, kind: Kind<S, Q>) -> Variable<S, Q> {
-    Row(name, reference, Causality::Parameter, text, kind).variable(WHOLE)
+    Row {
+        name,
+        reference,
+        causality: Causality::Parameter,
+        text,
+        kind,
+    }
+    .variable(WHOLE)
 }
 
 part!([R] Settings<R> => Parameters: |self| self.parameters);

@@ -1,9 +1,6 @@
 //! The variable table: one row an output, with its name, value reference, unit, description and
 //! field. Rows of parameters and inputs are in [`settings`](crate::variator::settings::parameters).
 //!
-//! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the
-//! reference.
-//!
 //! Value references, never changed once given (1036 was belt.contactStrain; 1045, 1048 and 1075 are
 //! those of the paper's rings):
 //!
@@ -89,7 +86,7 @@ pub fn shared_variables<R, Q: AsRef<Outputs>>(
 macro_rules! read {
     ($name:literal, $reference:literal, $causality:ident, $kind:ident $(($($of:tt)*))?, $text:literal, $($field:tt)+) => {{
         let access = Access::Reading(|readings: &Q| readings.as_ref().$($field)+);
-        Row($name, $reference, $causality, $text, kind!($kind $(($($of)*))?, access))
+        Row { name: $name, reference: $reference, causality: $causality, text: $text, kind: kind!($kind $(($($of)*))?, access) }
     }};
 }
 
@@ -163,9 +160,10 @@ pub(super) fn outputs<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S
         read!("belt.lateralMax", 21, Output, Real("m", Range::from(0.0).with_nominal(1e-3)), "Largest axial deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", lateral_max),
         read!("belt.skew", 22, Output, Real("rad", Range::typical(1e-2)), "Mean inclination of the strands to the plane of the drive, from secondary to primary; 0 without ring.spatial", skew),
     ];
-    let of = |owner| move |row: Row<'_, S, Q>| row.variable(owner);
-    let pulleys = pulley_outputs!(primary).into_iter().map(of(PRIMARY)).chain(pulley_outputs!(secondary).into_iter().map(of(SECONDARY)));
-    whole.into_iter().map(of(WHOLE)).chain(pulleys)
+    let variable = |owner| move |row: Row<'_, S, Q>| row.variable(owner);
+    let [primary, secondary] = [pulley_outputs!(primary), pulley_outputs!(secondary)];
+    let pulleys = primary.into_iter().map(variable(PRIMARY)).chain(secondary.into_iter().map(variable(SECONDARY)));
+    whole.into_iter().map(variable(WHOLE)).chain(pulleys)
 }
 
 /// What is read for checks.
@@ -180,16 +178,22 @@ fn locals<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S, Q>> {
     rows.into_iter().map(|row| row.variable(WHOLE))
 }
 
-/// A profile: name, value reference of its first element, unit, typical size, description, and its
-/// value at a point.
-#[rustfmt::skip]
-type ProfileRow = (&'static str, u32, &'static str, f64, &'static str, fn(&Readings, usize) -> f64);
+/// A profile.
+struct ProfileRow {
+    name: &'static str,
+    /// Value reference of its first element.
+    first: u32,
+    unit: &'static str,
+    nominal: f64,
+    text: &'static str,
+    /// Value at a point.
+    get: fn(&Readings, usize) -> f64,
+}
 
+#[rustfmt::skip]
 macro_rules! profile {
     ($name:literal, $first:literal, $unit:literal, $nominal:literal, $field:ident, $text:literal) => {
-        ($name, $first, $unit, $nominal, $text, |of: &Readings, at| {
-            of.profile.$field[at]
-        })
+        ProfileRow { name: $name, first: $first, unit: $unit, nominal: $nominal, text: $text, get: |readings, point| readings.profile.$field[point] }
     };
 }
 
@@ -207,17 +211,19 @@ fn profiles<S>() -> impl Iterator<Item = (Array, Vec<Variable<S, Readings>>)> {
         profile!("lateralDeflection", 10_601, "m", 1e-3, lateral_deflection, "Deflection of the ring from the middle between the two belt planes, along the pulley axes"),
         profile!("gap", 10_701, "m", 1e-6, gap, "Gap between neighbouring elements, 0 in contact,"),
     ];
-    rows.into_iter().map(|(name, first, unit, nominal, text, get)| {
+    rows.into_iter().map(|row| {
+        let ProfileRow { first, text, .. } = row;
         let array = Array {
-            name: format!("profile.{name}"),
+            name: format!("profile.{}", row.name),
             description: format!("{text} at xi = 0/{PROFILE_POINTS}, 1/{PROFILE_POINTS} and so on of the belt length"),
             first,
             size: PROFILE_POINTS as u32,
         };
-        let element = |(at, reference)| {
-            let (name, text) = (format!("{}[{}]", array.name, at + 1), format!("{text} at xi = {at}/{PROFILE_POINTS} of the belt length"));
-            let access = Access::Element(get, at);
-            Row(&name, reference, Local, &text, kind!(Real(unit, Range::typical(nominal)), access)).variable(WHOLE)
+        let element = |(point, reference)| {
+            let (name, text) = (format!("{}[{}]", array.name, point + 1), format!("{text} at xi = {point}/{PROFILE_POINTS} of the belt length"));
+            let access = Access::Element(row.get, point);
+            let kind = kind!(Real(row.unit, Range::typical(row.nominal)), access);
+            Row { name: &name, reference, causality: Local, text: &text, kind }.variable(WHOLE)
         };
         let elements = (0..PROFILE_POINTS).zip(first..).map(element).collect();
         (array, elements)

@@ -154,16 +154,17 @@ impl<R: Rings> Unit for UnitWith<R> {
     }
 
     fn moment(&mut self) -> Option<([Readings; 2], f64)> {
-        let (outputs, span) = self.variator.moment();
-        Some((outputs.map(|outputs| (*outputs).into()), span))
+        let moment = self.variator.moment();
+        let readings = [moment.before, moment.after].map(|outputs| (*outputs).into());
+        Some((readings, moment.span))
     }
 }
 
-/// Memory of a cell with its share of the matrices, bytes, where the start has a copy (measured
-/// with 16 cells in an element: half).
+/// Memory of a cell with its share of the matrices, bytes, twice for the copy of a start (measured
+/// with 16 cells in an element).
 const CELL: usize = 24_000;
 
-/// Looks for the memory of a mesh: within the model a failed allocation would end the process.
+/// Checks for the memory of a mesh, since a failed allocation in the model would end the process.
 fn find_memory(mesh: &Mesh) -> Result<(), String> {
     let elements = [mesh.primary_arc, mesh.secondary_arc, mesh.strand, mesh.strand];
     let count = |count: i32| usize::try_from(count).unwrap_or_default();
@@ -179,8 +180,8 @@ fn find_memory(mesh: &Mesh) -> Result<(), String> {
     })
 }
 
-/// The tolerance to use, from the parameter and from the experiment. Importers pass the default
-/// experiment's tolerance without any action of the user, so a changed parameter takes precedence.
+/// The tolerance from the parameter or the experiment. Importers pass the default experiment's
+/// tolerance without an action of the user, so a changed parameter takes precedence.
 fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Message>) -> f64 {
     let mut remark = |warning, text| remarks.push(Message { warning, text });
     if parameter != Parameters::default().solver.tolerance {
@@ -190,7 +191,8 @@ fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Message>)
         }
         return parameter;
     }
-    let (min, max) = range_of("solver.tolerance").unwrap_or((0.0, 1.0));
+    let range = range_of("solver.tolerance").unwrap_or(0.0..=1.0);
+    let (min, max) = range.into_inner();
     let tolerance = experiment.clamp(min, max);
     if tolerance != experiment {
         let text = format!(
@@ -205,8 +207,6 @@ fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Message>)
 mod tests {
     use super::choose_tolerance;
 
-    /// The experiment's tolerance replaces the default, within the range; a changed parameter takes
-    /// precedence.
     #[test]
     fn a_tolerance_is_chosen() {
         for (parameter, experiment, expected, remark) in [

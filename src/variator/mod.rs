@@ -1,9 +1,5 @@
 //! The variator: parameters and outputs, the equations of belt and pulleys, steady states, runs,
-//! linear models.
-//!
-//! Each module uses only those before it: `settings`, `mesh`, `law`, `rings`, `cell`, `belt`,
-//! `assembly`, `pulleys`, `system`, `diagnostics`, `steady`, `run`, `linear`. A user needs
-//! [`Variator`], [`settings`] and [`linear`].
+//! linear models. A user needs [`Variator`], [`settings`] and [`linear`].
 
 pub(crate) mod assembly;
 pub(crate) mod belt;

@@ -15,7 +15,7 @@ use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, Loads};
 use crate::variator::pulleys::rows::Pulleys;
-use crate::variator::settings::parameters::{Parameters, ParametersInForce};
+use crate::variator::settings::{Parameters, ParametersInForce};
 use std::sync::Arc;
 
 /// The assembled variator.
@@ -27,8 +27,7 @@ pub struct VariatorSystem {
     pub loads: Loads,
     /// Parameters in force, including the friction coefficients, which can change in a run.
     pub parameters: ParametersInForce,
-    /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a
-    /// larger one.
+    /// Friction velocity v₀ in force, m/s: larger at first in steady solutions and soft starts.
     pub friction_velocity: f64,
     /// Loads of the belt on the pulleys in the last residual.
     pub(crate) of_belt: PerPulley<PulleyLoad>,
@@ -42,6 +41,7 @@ impl VariatorSystem {
     ///
     /// # Panics
     /// With parameters that [`Parameters::validate`] rejects.
+    #[must_use]
     pub fn new(parameters: &Parameters) -> Self {
         Self::with_ring(parameters, parameters.ring_of_model())
     }
@@ -67,17 +67,20 @@ impl VariatorSystem {
     }
 
     /// The pulleys: shafts and sheaves.
+    #[must_use]
     pub fn pulleys(&self) -> Pulleys<'_> {
         let is_steady = matches!(self.loads, Loads::Steady(_));
         Pulleys::new(&self.parameters, &self.belt, is_steady)
     }
 
     /// Conditions of the pulleys at a time, s.
+    #[must_use]
     pub fn boundary(&self, time: f64) -> Boundary {
         self.loads.boundary(time, &self.parameters)
     }
 
     /// Friction in force.
+    #[must_use]
     pub fn friction(&self) -> Friction {
         let own = &self.parameters.friction;
         let softened = self.friction_velocity > own.velocity;
@@ -118,6 +121,7 @@ impl VariatorSystem {
     }
 
     /// Energy, J, and damping loss, W, of a ring that has elements of its own; else zero.
+    #[must_use]
     pub fn ring_energy(&self, view: View<'_>) -> [f64; 2] {
         self.assembly.ring_energy(&self.belt, view)
     }
@@ -134,14 +138,13 @@ impl VariatorSystem {
         self.assembly.forget_derivatives();
     }
 
-    /// Writes to an archive, or reads from it, the loads and the friction.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.loads.serialize(archive);
         archive.real(&mut self.friction_velocity);
         self.parameters.serialize(archive);
     }
 
-    /// Writes to an archive the points of the cached derivatives, or reads them, and evaluates
+    /// Writes to an archive the states of the cached derivatives, or reads them and evaluates
     /// these.
     pub(crate) fn serialize_derivatives(&mut self, archive: &mut Archive<'_>) {
         let friction = &self.friction();
@@ -150,6 +153,7 @@ impl VariatorSystem {
     }
 
     /// Number of evaluations of all derivatives of the cells, and of constitutive tangents alone.
+    #[must_use]
     pub fn differentiations(&self) -> [u64; 2] {
         self.assembly.differentiations()
     }
@@ -167,19 +171,19 @@ impl VariatorSystem {
     }
 }
 
-// The Newton scale: negligible errors. "Half" and "twice" are changes of the Jacobians and
-// residuals under the ten rough loads with `ALE0`.
+// The Newton scale: negligible errors. "Half" and "twice": change of Jacobians and residuals under
+// the ten rough loads with `ALE0`.
 
-/// Place of the ring and content of a cell, m (1 N of tension, 5 N/m of contact; 1e-7 of stack
+/// Position of the ring and content of a cell, m (1 N of tension, 5 N/m of contact; 1e-7 of stack
 /// strain, 1 N). Half: 0, 0 %; twice: +2, 0 %.
-const PLACE: f64 = 1.0e-9;
-/// Speed of the ring in steps below a microsecond, m/s. Half and twice: 0 %. Without, some loose
+const POSITION: f64 = 1.0e-9;
+/// Speed of the ring in steps below a microsecond, m/s. Half and twice: 0 %. Without it, some loose
 /// belts have no steady state.
 const RING_SPEED: f64 = 1.0e-3;
 /// Sliding speed, as a fraction of the friction velocity. Half: +1, +5 %; twice: -4, -7 %.
 const SLIP: f64 = 2.0e-3;
-/// Slope of the overlay per metre of its deflection, 1/m. Half and twice, with `ALE`: 1, 0 %; that
-/// of an element's length, a tenth, loses steady states.
+/// Slope of the overlay per metre of its deflection, 1/m. Half and twice, with `ALE`: 1, 0 %; with
+/// a tenth, as of an element's length, some steady states are not found.
 const PER_METRE: f64 = 1.0e3;
 /// Tension as an unknown of its own, N. Half and twice: +1, -1 %.
 const TENSION: f64 = 0.1;
@@ -215,7 +219,7 @@ impl System for VariatorSystem {
             .jacobian(InForce { belt, friction }, view, factors, of_belt);
         let boundary = self.boundary(time);
         self.pulleys()
-            .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);
+            .jacobian(&boundary, &loads, &self.resultants, view, factors, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
                 out.add(c.multiplier, node, CONSTRAINT_SCALE * sign);
@@ -228,7 +232,7 @@ impl System for VariatorSystem {
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
         let layout = &self.belt.layout;
-        let velocity = (PLACE / beta).min(RING_SPEED);
+        let velocity = (POSITION / beta).min(RING_SPEED);
         let slip = SLIP * self.friction().velocity;
         // The pitch radius at ratio 1 turns lengths into angles, and into Θ.
         let radius = self.belt.law.r0;
@@ -237,9 +241,9 @@ impl System for VariatorSystem {
                 out[layout.tension(cell)] = TENSION;
             }
         }
-        let of_ring = self.belt.ring.speed_error(velocity, slip);
+        let ring_speed = self.belt.ring.speed_error(velocity, slip);
         for (i, is_length) in layout.node_unknowns() {
-            out[i] = of_ring * if is_length { 1.0 } else { PER_METRE };
+            out[i] = ring_speed * if is_length { 1.0 } else { PER_METRE };
         }
         out[layout.free()].fill(1.0);
         if !layout.has_tension() {
@@ -247,9 +251,9 @@ impl System for VariatorSystem {
                 out[layout.gauge(condition)] = 1.0 / CONSTRAINT_SCALE;
             }
         }
-        for at in &self.belt.cells_at {
-            out[at.speed] = slip;
-            out[at.content] = PLACE;
+        for cell in &self.belt.cells_at {
+            out[cell.speed] = slip;
+            out[cell.content] = POSITION;
         }
         out[layout.drift()] = slip;
         out[layout.theta()] = velocity / radius;
@@ -262,7 +266,7 @@ impl System for VariatorSystem {
         for pulley in Pulley::BOTH {
             out[layout.sheave(pulley)] = velocity;
             for axis in 0..2 {
-                out[layout.tilt(pulley, axis)] = PLACE / radius;
+                out[layout.tilt(pulley, axis)] = POSITION / radius;
             }
             out[layout.shaft_speed(pulley)] = slip / radius;
         }

@@ -28,7 +28,7 @@ fn random_parameters_start_with_bounded_work_or_a_named_error() {
             // are meant to.
             let of_numerics = ["mesh.", "solver.", "inputs.", "initial.ratio"];
             let chosen = variable.causality == Causality::Parameter || variable.causality == Causality::Input;
-            let (Kind::Real { .. }, Some((min, max))) = (&variable.kind, range_of(&variable.name)) else {
+            let (Kind::Real { .. }, Some(range)) = (&variable.kind, range_of(&variable.name)) else {
                 continue;
             };
             if !chosen || of_numerics.iter().any(|name| variable.name.starts_with(name)) || uniform() > 0.2 {
@@ -39,7 +39,7 @@ fn random_parameters_start_with_bounded_work_or_a_named_error() {
             };
             let far = uniform() < 0.25;
             let factor = 10_f64.powf((uniform() - 0.5) * if far { 4.0 } else { 0.6 });
-            let value = (usual * factor).clamp(min, max);
+            let value = (usual * factor).clamp(*range.start(), *range.end());
             variable.set(&mut settings, Value::Real(value)).expect("in its range");
         }
         if <VariatorUnit as Unit>::check(&settings).is_err() {

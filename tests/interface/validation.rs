@@ -41,8 +41,9 @@ fn refuse_beyond<S>(
                     access: Access::Setting { set, .. },
                     ..
                 },
-                Some([min, max]),
+                Some(range),
             ) => {
+                let (min, max) = range.into_inner();
                 let margin = |limit: f64| 0.1 * limit.abs().max(1e-3);
                 let beyond = [min - margin(min), max + margin(max)];
                 for bad in [&beyond[..], &[f64::NAN, f64::INFINITY, f64::NEG_INFINITY]].concat() {
@@ -88,7 +89,7 @@ fn stiffness_mass_and_mesh_must_be_above_zero() {
     let names = "belt.pushStiffness ring.axialStiffness ring.bendingStiffness contact.stiffness secondary.tiltStiffness \
                  belt.massPerLength primary.inertia friction.velocity solver.maxStep mesh.primaryArc mesh.cellsPerElement";
     for name in names.split_whitespace() {
-        assert!(range_of(name).expect("a range").0 > 0.0, "{name}");
+        assert!(*range_of(name).expect("a range").start() > 0.0, "{name}");
     }
 }
 
@@ -205,6 +206,6 @@ fn the_ratios_named_in_the_message_are_accepted() {
         accepted(|p| p.initial.ratio = inside);
         refused(|p| p.initial.ratio = outside);
     }
-    let (lowest, highest) = Parameters::default().ratio_range();
-    assert!((lowest - low).abs() < 1e-6 && (highest - high).abs() < 1e-6);
+    let range = Parameters::default().ratio_range();
+    assert!((range.start() - low).abs() < 1e-6 && (range.end() - high).abs() < 1e-6);
 }

@@ -278,8 +278,7 @@ fn a_parameter_next_to_zero_is_as_at_zero_or_refused() {
         variator.advance(3e-3, &more).map_err(|error| error.to_string())?;
         Ok::<_, String>(variator.outputs().clone())
     };
-    let may_be_0 =
-        |one: &Setting<Parameters>| one.range().is_some_and(|[least, most]| least <= 0.0 && 0.0 <= most);
+    let may_be_0 = |one: &Setting<Parameters>| one.range().is_some_and(|range| range.contains(&0.0));
     for variable in parameters().filter(may_be_0).map(Setting::variable) {
         let name = &variable.name;
         let [zero, next] = [0.0, 1e-170].map(|value| {

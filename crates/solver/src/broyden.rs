@@ -5,27 +5,37 @@
 use super::kernels::largest;
 use nalgebra::DVector;
 
-/// A scaled step with its squared 2-norm.
-pub(super) type Step = (DVector<f64>, f64);
+/// A scaled step.
+#[derive(Clone, Debug)]
+pub(super) struct Step {
+    pub vector: DVector<f64>,
+    /// Square of its 2-norm.
+    pub square: f64,
+}
 
 /// Sets the last of the steps made from one point on, by the `correction` that the factors give at
 /// the present point, after whole steps. Returns its largest entry, which is not finite if the step
 /// is not.
 pub(super) fn set_last(steps: &mut [Step], correction: &[f64], scale: &[f64]) -> f64 {
-    let Some(((step, square), earlier)) = steps.split_last_mut() else {
+    let Some((last, earlier)) = steps.split_last_mut() else {
         return 0.0;
     };
+    let step = &mut last.vector;
     for ((u, d), s) in step.iter_mut().zip(correction).zip(scale) {
         *u = -d / s;
     }
     for pair in earlier.windows(2) {
-        let projection = pair[0].0.dot(step) / pair[0].1;
-        step.axpy(projection, &pair[1].0, 1.0);
+        let projection = pair[0].vector.dot(step) / pair[0].square;
+        step.axpy(projection, &pair[1].vector, 1.0);
     }
-    if let Some((last, of_last)) = earlier.last() {
-        *step *= 1.0 / (1.0 - last.dot(step) / of_last);
+    if let Some(before) = earlier.last() {
+        *step *= 1.0 / (1.0 - before.vector.dot(step) / before.square);
     }
-    *square = step.norm_squared();
+    last.square = step.norm_squared();
     let change = largest(step.as_slice());
-    if square.is_finite() { change } else { f64::INFINITY }
+    if last.square.is_finite() {
+        change
+    } else {
+        f64::INFINITY
+    }
 }

@@ -4,19 +4,19 @@ use super::newton::{Newton, Stage, Unsolved};
 use super::sdirk::MIN_STEP;
 use super::{State, System, View};
 
-// "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each
-// Jacobian, of the nine load cases with ALE and ALE0.
+// "Half, twice": change of the work, residuals and 12 for each Jacobian, of the nine load cases
+// with ALE and ALE0, with half and twice the constant.
 
-/// Newton tolerance of all steps but the last, over that of the last: only its state is the result.
+/// Newton tolerance of earlier steps over that of the last, whose state is the result.
 /// Half, twice: +2, −3 %; 1: +5 %.
 const COARSE: f64 = 100.0;
-/// Change of a step whose stage was not solved, or that `control` refused: none in these cases.
+/// Factor of a step whose stage was not solved, or that `control` refused: none in these cases.
 /// Half, twice: −2, +2 %.
 const SHORTER: f64 = 0.3;
 
-/// Growth of a step after a stage that took so many Jacobians. Kelley and Keyes (1998) let the step
-/// grow as the residual falls. Here the residual jumps where the system is controlled, so the work
-/// of Newton's method stands for it. Half and twice the powers of growth: −3, +24 %.
+/// Growth of a step after a stage with this number of Jacobians. Kelley and Keyes (1998) let the
+/// step grow as the residual falls. Here the residual jumps where the system is controlled, so the
+/// work of Newton's method replaces it. Half and twice the powers of growth: −3, +24 %.
 fn growth(jacobians: u64) -> f64 {
     match jacobians {
         0..=3 => 4.0,
@@ -39,8 +39,7 @@ pub struct ContinuationSettings {
     pub max_solves: usize,
 }
 
-/// No steady state was found: the step stalled, or the solves or the work of [`Newton::bound`] ran
-/// out.
+/// No steady state was found: the step stalled, or solves or work ([`Newton::bound`]) were used up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, thiserror::Error)]
 #[error("no steady state was found (pseudo-time step {step:.1e} s after {solves} solves)")]
 pub struct NotSteady {
@@ -61,9 +60,9 @@ pub struct Trial<'a> {
     pub step: f64,
 }
 
-/// Drives a state to the steady one. `control` is called after each solved step. It may correct the
-/// system, and returns the longest step to try next, or none to refuse the step as too large. After
-/// the last step comes another, which solves what `control` corrected last.
+/// Moves a state to the steady one. `control` is called after each solved step. It may correct the
+/// system, and returns the longest next step, or none to refuse the step as too large. Another step
+/// after the last solves the last correction of `control`.
 ///
 /// # Errors
 /// [`NotSteady`]; the state is then the last one solved.

@@ -1,10 +1,10 @@
-//! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they
-//! stand in registers, several times as fast as loops over slices; a size of 0 stands for any,
-//! which takes nalgebra's and may allocate.
+//! Products and inverses of small dense matrices, column-major. With sizes known to the compiler
+//! they stay in registers, several times as fast as loops over slices; a size of 0 stands for any,
+//! by nalgebra, which may allocate.
 
 use nalgebra::{DMatrixView, DMatrixViewMut};
 
-/// What becomes of y by a product.
+/// Effect of a product on y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Update {
     /// It is replaced.
@@ -32,20 +32,17 @@ pub fn gemv<const R: usize, const C: usize>(update: Update, a: &[f64], x: &[f64]
     if R > 0 {
         fixed::<R, C>(update, a, x, y);
     } else {
-        general(update, [y.len(), x.len(), 1], a, x, y);
+        general(update, y.len(), x.len(), 1, a, x, y);
     }
 }
 
-/// Updates Y by A·X of any size: rows of Y, columns of A and of Y.
-fn general(update: Update, [rows, inner, columns]: [usize; 3], a: &[f64], x: &[f64], y: &mut [f64]) {
+/// Updates Y, of `rows` and `columns`, by A·X of any size, A of `inner` columns.
+fn general(update: Update, rows: usize, inner: usize, columns: usize, a: &[f64], x: &[f64], y: &mut [f64]) {
     let a = DMatrixView::from_slice(a, rows, inner);
     let x = DMatrixView::from_slice(x, inner, columns);
-    let [product, old] = match update {
-        Update::Set => [1.0, 0.0],
-        Update::Add => [1.0, 1.0],
-        Update::Subtract => [-1.0, 1.0],
-    };
-    DMatrixViewMut::from_slice(y, rows, columns).gemm(product, &a, &x, old);
+    let sign = if update == Update::Subtract { -1.0 } else { 1.0 };
+    let old = if update == Update::Set { 0.0 } else { 1.0 };
+    DMatrixViewMut::from_slice(y, rows, columns).gemm(sign, &a, &x, old);
 }
 
 #[inline(always)]
@@ -74,7 +71,8 @@ fn fixed<const R: usize, const C: usize>(update: Update, a: &[f64], x: &[f64], y
 #[inline(always)]
 pub fn gemm<const R: usize, const C: usize>(
     update: Update,
-    [rows, inner]: [usize; 2],
+    rows: usize,
+    inner: usize,
     a: &[f64],
     x: &[f64],
     y: &mut [f64],
@@ -84,7 +82,7 @@ pub fn gemm<const R: usize, const C: usize>(
     } else if R > 0 {
         blocked::<R, C, 4>(update, a, x, y);
     } else {
-        general(update, [rows, inner, y.len() / rows], a, x, y);
+        general(update, rows, inner, y.len() / rows, a, x, y);
     }
 }
 
@@ -118,8 +116,7 @@ fn blocked<const R: usize, const C: usize, const N: usize>(
     }
 }
 
-/// The largest magnitude of an entry that is a number, by eight at a time: none waits for the one
-/// before.
+/// The largest magnitude of an entry that is a number, in eight independent maxima.
 pub fn largest(x: &[f64]) -> f64 {
     let (eights, rest) = x.as_chunks::<8>();
     let mut most = [0.0_f64; 8];
@@ -190,7 +187,7 @@ mod tests {
         a[0] = 0.0;
         let (mut inverse, mut product) = (a.clone(), [0.0; 64]);
         assert!(invert::<8>(&mut inverse));
-        gemm::<8, 8>(Update::Set, [8, 8], &a, &inverse, &mut product);
+        gemm::<8, 8>(Update::Set, 8, 8, &a, &inverse, &mut product);
         for (k, entry) in product.iter().enumerate() {
             let unit = if k % 9 == 0 { 1.0 } else { 0.0 };
             assert!((entry - unit).abs() < 1e-12);
@@ -211,14 +208,14 @@ mod tests {
         fn compare<const R: usize, const C: usize>(columns: usize) {
             let (a, x, y) = (numbers(R * C, 1), numbers(C * columns, 2), numbers(R * columns, 3));
             for update in [Update::Set, Update::Add, Update::Subtract] {
-                let (mut fixed, mut any, mut single) = (y.clone(), y.clone(), [y.clone(), y.clone()]);
-                gemm::<R, C>(update, [R, C], &a, &x, &mut fixed);
-                gemm::<0, 0>(update, [R, C], &a, &x, &mut any);
+                let (mut fixed, mut general, mut single) = (y.clone(), y.clone(), [y.clone(), y.clone()]);
+                gemm::<R, C>(update, R, C, &a, &x, &mut fixed);
+                gemm::<0, 0>(update, R, C, &a, &x, &mut general);
                 for (k, x) in x.chunks_exact(C).enumerate() {
                     gemv::<R, C>(update, &a, x, &mut single[0][k * R..(k + 1) * R]);
                     gemv::<0, 0>(update, &a, x, &mut single[1][k * R..(k + 1) * R]);
                 }
-                for other in [any, single[0].clone(), single[1].clone()] {
+                for other in [general, single[0].clone(), single[1].clone()] {
                     for (fixed, other) in fixed.iter().zip(&other) {
                         assert!(
                             (fixed - other).abs() < 1e-14,

@@ -1,6 +1,6 @@
 //! Newton's method for one implicit stage, with reuse of the factored Jacobian. Its work may be
-//! bounded ([`WorkBound`]): the solution then stops before a Jacobian for which the work does not
-//! last, and continues there.
+//! bounded ([`WorkBound`]): the solution then stops before a Jacobian that takes more than the
+//! remaining work, and continues there.
 
 use super::arrow::{Arrow, ArrowLu};
 use super::broyden::{self, Step};
@@ -8,19 +8,20 @@ use super::{State, System};
 use nalgebra::DVector;
 use pushbelt_archive::Archive;
 
-// "Half, twice" is what half and twice a constant change in the work, residuals and 12 for each
-// Jacobian: of the manoeuvre with ALE; of torque flips with ALE0, 1 s at each ratio, jumping and
+// "Half, twice": change of the work, residuals and 12 for each Jacobian, with half and twice the
+// constant: of the manoeuvre with ALE; of torque flips with ALE0, 1 s at each ratio, jumping and
 // ramped. Chaotic loads alone vary by some 2 %.
 
 /// Most Jacobians in a stage. Half, twice: 0, 0 %; 0, 0 %.
 const JACOBIANS: u64 = 15;
-/// Most iterations of Broyden's method with the same factors: in a stage, whose best point is where
-/// Newton's method begins, and beyond the first of each stage, added up over stages, after which
-/// the next stage takes a new Jacobian: twice the residuals that a Jacobian with its factors costs,
-/// nine to fourteen for a push belt, since a stage with new factors takes a second iteration too.
-/// Half, twice: 0, 0 %; +2, 0 % in a stage, 0, +1 %; −3, +4 % over stages, where noisy forces take
-/// up to a quarter more with half of it.
+/// Most iterations of Broyden's method in a stage: twice the residuals that a Jacobian with its
+/// factors costs, nine to fourteen for a push belt, since a stage with new factors takes a second
+/// iteration too. Half, twice: 0, 0 %; +2, 0 %.
 const ITERATIONS: usize = 24;
+/// Most iterations with the same factors beyond the first of each stage, added up over stages:
+/// after more, the next stage takes a new Jacobian. Half, twice: 0, +1 %; −3, +4 %, and noisy
+/// forces take up to a quarter more with half of it.
+const EXCESS_ITERATIONS: u64 = 24;
 /// Largest change of α, as a fraction of that of a factored matrix, with which the factors are
 /// tried. CVODE (Hindmarsh et al. 2005) takes 0.3. Half, twice: +2, +7 %; +1, −1 %. Random
 /// communication steps of 0.055 to 0.145 ms take 2.5 and 1.6 times the work of equal ones instead
@@ -29,19 +30,19 @@ const REUSED: f64 = 0.4;
 /// Growth of the step in one iteration at which Broyden's method is abandoned: as in CVODE. Half,
 /// twice: +3, −1 %; +7, +1 %.
 const DIVERGED: f64 = 2.0;
-/// Exponent of the contraction of the last stage, for the first iteration of the next: so it is
+/// Exponent of the contraction of the last stage for the first iteration of the next, so that it is
 /// measured again before it is stale. Hairer and Wanner, Solving Ordinary Differential Equations
 /// II, IV.8, give 0.8, which takes a tenth more under smooth loads. Half, and 1, beyond which a
 /// contraction would fall unmeasured: +4, +19 %; 0, 0 %.
 const AGEING: f64 = 0.9;
-/// Part of the tolerance that may be left after the last iteration. Hairer and Wanner, IV.8, find
+/// Part of the tolerance that may remain after the last iteration. Hairer and Wanner, IV.8, find
 /// 0.01 to 0.1 best. Half, twice: +3, −2 %; +2, −1 %.
-const LEFT: f64 = 0.15;
-/// Part of a correction that may point along the step before it, where a search along the step may
-/// end. Half, twice: 0, −1 %; +1, 0 %.
+const REMAINDER: f64 = 0.15;
+/// Largest projection of the correction on the step where a search along the step ends, as a
+/// fraction of the step. Half, twice: 0, −1 %; +1, 0 %.
 const PROJECTION: f64 = 0.2;
-/// Residuals after which a search along a step ends, at the best place it has found; without one it
-/// fails after twice as many. Half, twice: −1, 0 %; −2, +2 %, but with half of it 638 stages of the
+/// Residuals after which a search along a step ends at the best point found; without one it fails
+/// after twice as many. Half, twice: −1, 0 %; −2, +2 %, but with half of it 638 stages of the
 /// flips fail instead of 8.
 const TRIALS: usize = 6;
 
@@ -106,12 +107,13 @@ pub enum Unsolved {
 /// Bound of the work of Newton's method. The unit is a residual with its correction.
 #[derive(Clone, Copy, Debug)]
 pub struct WorkBound {
-    /// Work that is left.
+    /// Remaining work.
     pub remaining: f64,
-    /// Work of a Jacobian with its factors: with reused geometry, and what all geometry takes
-    /// beside.
-    pub jacobian: [f64; 2],
-    /// What an iteration that has begun may take beyond the work that is left.
+    /// Work of a Jacobian with its factors and reused geometry.
+    pub jacobian: f64,
+    /// Further work where all geometry is evaluated.
+    pub geometry: f64,
+    /// Work that an iteration that has begun may take beyond the remaining one.
     pub overdraft: f64,
     /// Most Jacobians in a stage.
     pub jacobians: u64,
@@ -121,7 +123,8 @@ impl WorkBound {
     /// No bound but that of Jacobians.
     pub const NONE: Self = Self {
         remaining: f64::INFINITY,
-        jacobian: [0.0; 2],
+        jacobian: 0.0,
+        geometry: 0.0,
         overdraft: 0.0,
         jacobians: JACOBIANS,
     };
@@ -199,7 +202,7 @@ struct Factored {
 
 impl Factored {
     /// Change from the α of the matrix to another, as a fraction of it: 1 without a matrix.
-    fn off(&self, alpha: f64) -> f64 {
+    fn alpha_change(&self, alpha: f64) -> f64 {
         (alpha / self.alpha - 1.0).abs()
     }
 
@@ -223,17 +226,17 @@ impl Factored {
 pub struct Newton {
     matrix: Arrow,
     kept: [Factored; 2],
-    /// The one in use.
+    /// Index of the one in use.
     present: usize,
     /// Change of each unknown that counts as 1.
     scale: Vec<f64>,
-    /// By the factors, from the residual at the place evaluated last.
+    /// Correction by the factors from `residual`.
     correction: Vec<f64>,
-    /// Of Broyden's method.
+    /// Steps of Broyden's method.
     steps: Vec<Step>,
-    /// Residual at the place evaluated last.
+    /// Residual at the point evaluated last.
     residual: Vec<f64>,
-    /// Whether that is the stage's point. A stage for which the work did not last goes on there.
+    /// Whether that is the stage's point, where a stage continues after its work was used up.
     known: bool,
     /// Jacobians of the last stage.
     pub jacobians: u64,
@@ -241,10 +244,10 @@ pub struct Newton {
     step: Vec<f64>,
     /// y where the search begins; or the best y of Broyden's method.
     anchor: Vec<f64>,
-    /// Residual at the best place.
+    /// Residual at the best point.
     best_residual: Vec<f64>,
-    /// Largest change that the last iteration of a stage left to make, as a fraction of the
-    /// tolerance, as far as its contraction shows. The caller sets it to zero.
+    /// Largest error that remained after the last iteration of a stage, estimated from its
+    /// contraction, as a fraction of the tolerance. The caller sets it to zero.
     pub defect: f64,
     /// Bound of the work.
     pub bound: WorkBound,
@@ -258,6 +261,10 @@ impl Newton {
     pub fn new(system: &impl System) -> Self {
         let shape = system.shape();
         let zeros = vec![0.0; shape.len()];
+        let first = Step {
+            vector: DVector::zeros(zeros.len()),
+            square: 0.0,
+        };
         let kept = [(); 2].map(|()| Factored {
             lu: ArrowLu::new(shape),
             alpha: f64::INFINITY,
@@ -270,7 +277,7 @@ impl Newton {
             present: 0,
             scale: zeros.clone(),
             correction: zeros.clone(),
-            steps: vec![(DVector::zeros(zeros.len()), 0.0); ITERATIONS],
+            steps: vec![first; ITERATIONS],
             residual: zeros.clone(),
             known: false,
             jacobians: 0,
@@ -283,7 +290,7 @@ impl Newton {
         }
     }
 
-    /// Writes to an archive, or reads from it, all that later solutions depend on but the factored
+    /// Writes to an archive, or reads from it, what later solutions depend on without the factored
     /// Jacobians.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         archive.flag(&mut self.known);
@@ -295,10 +302,10 @@ impl Newton {
         self.counts.serialize(archive);
     }
 
-    /// Writes the factored Jacobians to an archive, or reads them: they are used again.
+    /// Writes the factored Jacobians to an archive, or reads them.
     pub fn serialize_factors(&mut self, archive: &mut Archive<'_>) {
         archive.indices(std::slice::from_mut(&mut self.present), 2);
-        self.kept.iter_mut().for_each(|of| of.serialize(archive));
+        self.kept.iter_mut().for_each(|factored| factored.serialize(archive));
     }
 
     /// Forgets the factored Jacobians.
@@ -307,12 +314,12 @@ impl Newton {
         self.kept.iter_mut().for_each(Factored::forget);
     }
 
-    /// Forgets how well the factored Jacobians contracted: the law has changed since.
+    /// Forgets the contraction of the factored Jacobians: the law has changed since.
     pub fn forget_rate(&mut self) {
-        self.kept.iter_mut().for_each(|of| of.rate = 1.0);
+        self.kept.iter_mut().for_each(|factored| factored.rate = 1.0);
     }
 
-    /// Abandons a stage that is not solved.
+    /// Abandons an unsolved stage.
     pub fn abandon(&mut self) {
         self.known = false;
     }
@@ -321,7 +328,7 @@ impl Newton {
     ///
     /// # Errors
     /// No convergence: `stage.state.y` is then meaningless. Or the work is used up: the next call
-    /// with this stage continues from there.
+    /// with this stage continues.
     pub fn solve(
         &mut self,
         system: &mut impl System,
@@ -340,7 +347,7 @@ impl Newton {
                 return Ok(());
             }
             if self.known {
-                // The law has changed since, and more so for the other.
+                // The law has changed since, and more since the other factors.
                 self.kept[1 - self.present].forget();
             }
         }
@@ -349,24 +356,24 @@ impl Newton {
         solved
     }
 
-    /// Chooses the nearer factors. Whether they may be tried at this α; else they are those to
-    /// replace: none, or the ones used earlier.
+    /// Chooses the factors of the nearer α. Returns whether they may be tried at this α; else they
+    /// are the ones to replace.
     fn choose(&mut self, alpha: f64) -> bool {
         let [here, there] = [self.present, 1 - self.present];
-        let off = [here, there].map(|k| self.kept[k].off(alpha));
-        let stays = off[0] < REUSED || self.kept[here].alpha.is_infinite();
-        if off[1] < off[0].min(REUSED) || !stays {
+        let changes = [here, there].map(|k| self.kept[k].alpha_change(alpha));
+        let stays = changes[0] < REUSED || self.kept[here].alpha.is_infinite();
+        if changes[1] < changes[0].min(REUSED) || !stays {
             self.present = there;
         }
-        self.kept[self.present].off(alpha) < REUSED
+        self.kept[self.present].alpha_change(alpha) < REUSED
     }
 
-    /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps
-    /// overshoot from one sliding direction to the other for ever. After a full step Broyden's
-    /// method goes on.
+    /// Newton's method with the exact Jacobian, damped where friction saturates: from far off, full
+    /// steps overshoot from one sliding direction to the other for ever. After a full step
+    /// Broyden's method continues.
     fn damped_newton(&mut self, system: &mut impl System, stage: &mut Stage) -> Result<(), Unsolved> {
         while self.jacobians < self.bound.jacobians {
-            if self.bound.remaining < self.bound.jacobian[0] {
+            if self.bound.remaining < self.bound.jacobian {
                 return Err(Unsolved::OutOfWork);
             }
             if self.known {
@@ -390,12 +397,11 @@ impl Newton {
         self.counts.factorizations += 1;
         let (view, alpha) = (stage.state.view(), stage.alpha);
         let renewed = system.renew_jacobian(stage.time, view, alpha, 1.0 / alpha, &mut self.matrix);
-        let [tangents, geometry] = self.bound.jacobian;
-        self.bound.remaining -= tangents + geometry * renewed;
-        let of = &mut self.kept[self.present];
-        of.forget();
-        of.lu.factor(&self.matrix).map_err(|_| Unsolved::NoSolution)?;
-        of.alpha = alpha;
+        self.bound.remaining -= self.bound.jacobian + self.bound.geometry * renewed;
+        let factored = &mut self.kept[self.present];
+        factored.forget();
+        factored.lu.factor(&self.matrix).map_err(|_| Unsolved::NoSolution)?;
+        factored.alpha = alpha;
         Ok(())
     }
 
@@ -407,22 +413,24 @@ impl Newton {
         self.bound.remaining -= 1.0;
     }
 
-    /// Newton correction from the residual at hand with the factors at hand.
+    /// Newton correction from the present residual and factors.
     fn correct(&mut self) {
         self.correction.copy_from_slice(&self.residual);
         self.kept[self.present].lu.solve(&mut self.correction);
     }
 
-    /// The largest scaled entry of the correction and its scaled 2-norm.
-    fn measure(&self) -> (f64, f64) {
-        let scaled = || self.correction.iter().zip(&self.scale).map(|(d, s)| d / s);
-        let largest = scaled().fold(0.0, |most: f64, x| most.max(x.abs()));
-        (largest, scaled().map(|x| x * x).sum::<f64>().sqrt())
+    fn scaled_correction(&self) -> impl Iterator<Item = f64> {
+        self.correction.iter().zip(&self.scale).map(|(d, s)| d / s)
     }
 
-    /// Broyden's method from the factors at hand; whether it converges. It is abandoned when it
-    /// diverges; `stage.state.y` is then the best point it reached, and the residual there is at
-    /// hand. `corrected`: the correction at `stage.state.y` is at hand.
+    /// Scaled 2-norm of the correction.
+    fn norm(&self) -> f64 {
+        self.scaled_correction().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// Broyden's method with the present factors. Returns whether it converges; else
+    /// `stage.state.y` is its best point, and `residual` is that of it. `corrected`: the correction
+    /// at `stage.state.y` is known.
     fn broyden(&mut self, system: &mut impl System, stage: &mut Stage, corrected: bool) -> bool {
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..ITERATIONS {
@@ -440,29 +448,29 @@ impl Newton {
                 self.best_residual.copy_from_slice(&self.residual);
             }
             let contraction = change / before;
-            let of = &mut self.kept[self.present];
+            let factored = &mut self.kept[self.present];
             if !change.is_finite() || contraction > DIVERGED && change > stage.tolerance {
                 break;
             }
-            // What is left after this step, over the step: before any is measured, by the
-            // contraction of the last stage. At most the step itself: steps that are rounding need
-            // not fall.
-            let ahead = if iteration == 0 {
-                of.rate = of.rate.max(of.off(stage.alpha)).max(f64::EPSILON).powf(AGEING);
-                of.rate
+            // Remaining error over this step: before a contraction is measured, by that of the last
+            // stage; at most 1, since steps that are rounding need not fall.
+            let remainder = if iteration == 0 {
+                let rate = factored.rate.max(factored.alpha_change(stage.alpha));
+                factored.rate = rate.max(f64::EPSILON).powf(AGEING);
+                factored.rate
             } else {
-                of.rate = contraction.max(if iteration == 1 { 0.0 } else { of.rate });
+                factored.rate = contraction.max(if iteration == 1 { 0.0 } else { factored.rate });
                 (contraction / (1.0 - contraction).max(0.0)).min(1.0)
             };
             before = change;
-            let steps = self.steps[iteration].0.iter().zip(&self.scale);
-            steps.zip(&mut stage.state.y).for_each(|((u, s), y)| *y += u * s);
-            if change * ahead < LEFT * stage.tolerance {
-                self.defect = self.defect.max(change * ahead / stage.tolerance);
+            let step = self.steps[iteration].vector.iter().zip(&self.scale);
+            step.zip(&mut stage.state.y).for_each(|((u, s), y)| *y += u * s);
+            if change * remainder < REMAINDER * stage.tolerance {
+                self.defect = self.defect.max(change * remainder / stage.tolerance);
                 stage.complete(system.has_position());
-                of.excess += iteration as u64;
-                if of.excess > ITERATIONS as u64 {
-                    of.alpha = f64::INFINITY;
+                factored.excess += iteration as u64;
+                if factored.excess > EXCESS_ITERATIONS {
+                    factored.alpha = f64::INFINITY;
                 }
                 return true;
             }
@@ -473,14 +481,14 @@ impl Newton {
         false
     }
 
-    /// Goes along the correction to a place that the natural monotonicity test accepts (Deuflhard,
+    /// Moves along the correction to a point that the natural monotonicity test accepts (Deuflhard,
     /// Newton Methods for Nonlinear Problems, 2011, section 3.3): the simplified correction there
-    /// is smaller. Returns whether that is the whole step. Short of it, it seeks a place from which
-    /// the correction points along the step no more, by bisection: where an arc slides the other
-    /// way with all its cells at once, the correction beyond leads back. The residual there is at
-    /// hand, and after a whole step the correction.
+    /// is smaller. Returns whether that is the whole step. A shorter one ends, by bisection, where
+    /// the correction no longer points along the step: where an arc slides the other way with all
+    /// its cells at once, the correction beyond leads back. The residual there is known, and after
+    /// a whole step the correction.
     fn search(&mut self, system: &mut impl System, stage: &mut Stage) -> Result<bool, Unsolved> {
-        let (_, norm) = self.measure();
+        let norm = self.norm();
         if !norm.is_finite() {
             return Err(Unsolved::NoSolution);
         }
@@ -493,10 +501,11 @@ impl Newton {
             move_by(-fraction, &mut stage.state.y, &self.anchor, &self.step);
             self.evaluate(system, stage);
             self.correct();
-            let (change, after) = self.measure();
+            let change = self.scaled_correction().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let after = self.norm();
             let products = self.correction.iter().zip(&self.step).zip(&self.scale);
             let projection = products.map(|((d, step), s)| (d / s) * (step / s)).sum::<f64>() / (norm * norm);
-            let solved = after.is_finite() && change < LEFT * stage.tolerance;
+            let solved = after.is_finite() && change < REMAINDER * stage.tolerance;
             let accepted = solved || after < norm;
             if accepted && (fraction >= 1.0 || solved || projection.abs() < PROJECTION) {
                 return Ok(fraction >= 1.0);

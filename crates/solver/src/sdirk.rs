@@ -1,10 +1,10 @@
 //! Time integration: SDIRK of two stages and order two, L-stable and stiffly accurate (Alexander
 //! 1977, γ = 1 − 1/√2).
 //!
-//! One-step and without an explicit stage, so a jump of the inputs needs no restart and a snapshot
-//! is y, ẏ, q and the step size. The error is measured against a formula with weights on c = 0, γ,
-//! 1, where the slope at c = 0 is the last one of the step before. It is of third order where the
-//! state doesn't act on its slope; of ẏ = −y it shows a seventh of the error.
+//! It is a one-step method without an explicit stage, so a jump of the inputs needs no restart and
+//! a snapshot is y, ẏ, q and the step size. The error is measured against a formula with weights on
+//! c = 0, γ, 1, where the slope at c = 0 is the last one of the step before. It is of third order
+//! where the state doesn't act on its slope; for ẏ = −y the estimate is a seventh of the error.
 
 use super::newton::{Newton, Stage, Unsolved, move_by};
 use super::{State, System, View};
@@ -31,8 +31,8 @@ pub trait Evolution: System {
         f64::INFINITY
     }
 
-    /// Called for each accepted step of `length`, s, that ends at the time `end`, s: to integrate
-    /// what is not part of the state.
+    /// Integrates what is not part of the state over an accepted step of `length`, s, that ends at
+    /// the time `end`, s.
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, end: f64, length: f64);
 }
 
@@ -59,29 +59,29 @@ pub struct Sdirk {
     pub max_step: f64,
     /// Newton tolerance as a fraction of the system's Newton scale.
     pub newton_tolerance: f64,
-    /// How many times wider it becomes where steps err as much as is tolerated: sharper solutions
-    /// don't make them better.
+    /// Its relative growth where steps err as much as is tolerated: sharper solutions don't make
+    /// them better.
     pub newton_widening: f64,
-    /// Size of the step that the stages are of, s; none after an attempt that failed.
+    /// Size of the step of the stages, s; none after an attempt that failed.
     last_step: Option<f64>,
     /// Squared error of the last step, of 1 at most: small as long as motions are smooth.
     error: f64,
-    /// Stage that is not solved, from 1 on; 0 if no step is open.
+    /// Number of the unsolved stage, from 1 on; 0 if no step is open.
     open: usize,
     stages: [Stage; 2],
-    /// ẏ at the end of the last step, before loads jumped: the predictor of the first stage uses
-    /// it. An unknown may follow its load in less than a step, so the slope after a jump would lead
-    /// far off.
+    /// ẏ at the end of the last step, before loads jumped, for the predictor of the first stage: an
+    /// unknown may follow its load in less than a step, so the slope after a jump would lead far
+    /// off.
     slope: Vec<f64>,
-    /// Of y and of q.
-    errors: [Vec<f64>; 2],
+    /// Estimated errors of y and of q.
+    y_error: Vec<f64>,
+    q_error: Vec<f64>,
 }
 
-/// Smallest step, s, also of a search for a steady state; nor is a step taken for a rest that is
-/// shorter.
+/// Smallest step, s, also of a search for a steady state; a shorter rest joins the step before it.
 pub(crate) const MIN_STEP: f64 = 1.0e-10;
-/// Share of the longest step within the tolerance, as far as the error shows, that is taken: as
-/// Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, II.4. Half, and 0.9: +11,
+/// Step as a fraction of the longest one within the tolerance by the estimated error: as Hairer,
+/// Nørsett and Wanner, Solving Ordinary Differential Equations I, II.4. Half, and 0.9: +11,
 /// 0 % of the work of the manoeuvre with ALE; −11, +4 % of torque flips.
 const SAFETY: f64 = 0.8;
 
@@ -89,7 +89,7 @@ const SAFETY: f64 = 0.8;
 /// within the smooth limits of Söderlind and Wang, Adaptive time-stepping and computational
 /// stability (2006): 0.21 where the error is infinite or not a number, 2.57 where there is none.
 /// DASSL and CVODE (Hindmarsh et al. 2005) take 0.25 where Newton's method failed.
-fn change(error: f64) -> f64 {
+fn step_factor(error: f64) -> f64 {
     1.0 + (SAFETY / error.cbrt() - 1.0).max(-1.0).atan()
 }
 
@@ -109,7 +109,8 @@ impl Sdirk {
             open: 0,
             stages: [Stage::new(n), Stage::new(n)],
             slope: vec![0.0; n],
-            errors: [vec![0.0; n], vec![0.0; n]],
+            y_error: vec![0.0; n],
+            q_error: vec![0.0; n],
         }
     }
 
@@ -121,7 +122,7 @@ impl Sdirk {
         self.last_step.map_or(0.0, |h| (second - first) / ((1.0 - GAMMA) * h))
     }
 
-    /// Writes to an archive, or reads from it, all that later steps depend on but [the factored
+    /// Writes to an archive, or reads from it, what later steps depend on without [the factored
     /// Jacobian](Newton::serialize_factors).
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.newton.serialize(archive);
@@ -167,7 +168,7 @@ impl Sdirk {
         Ok(())
     }
 
-    /// Sets what a stage starts from, and its predictor.
+    /// Sets base, position and predictor of a stage.
     fn predict(&mut self, number: usize, view: View<'_>, h: f64) {
         let [first, second] = &mut self.stages;
         if number == 1 {
@@ -184,17 +185,17 @@ impl Sdirk {
         }
     }
 
-    /// Abandons a step that is not solved.
+    /// Abandons an unsolved step.
     pub fn abandon(&mut self) {
         self.open = 0;
         self.newton.abandon();
     }
 
-    /// Takes one step of size `h` at `time` without error control, or continues it, as far as the
-    /// work of [`Newton::bound`] lasts.
+    /// Takes one step of size `h` at `time` without error control, or continues it, within the work
+    /// of [`Newton::bound`].
     ///
     /// # Errors
-    /// The stage that is not solved; the state stays at the start of the step. After
+    /// A stage is not solved; the state stays at the start of the step. After
     /// [`Unsolved::OutOfWork`] call it again with the same arguments, or [`Sdirk::abandon`] the
     /// step; after [`Unsolved::NoSolution`] it is abandoned.
     pub fn fixed_step<S: Evolution>(
@@ -222,10 +223,9 @@ impl Sdirk {
                 *out = w0 * a + w1 * b + w2 * c;
             }
         };
-        let [of_y, of_q] = &mut self.errors;
-        weigh(of_y, [before.y_dot, first.y_dot, second.y_dot]);
-        weigh(of_q, [before.y, first.y, second.y]);
-        let error = system.error_norm(second, of_y, of_q);
+        weigh(&mut self.y_error, [before.y_dot, first.y_dot, second.y_dot]);
+        weigh(&mut self.q_error, [before.y, first.y, second.y]);
+        let error = system.error_norm(second, &self.y_error, &self.q_error);
         self.error = error.min(1.0).powi(2);
         error
     }
@@ -247,24 +247,23 @@ impl Sdirk {
         let mut repeats = false;
         loop {
             let longest = self.max_step.min(system.longest_step(state.view()));
-            // Whole steps to the end: never a sliver.
+            // Equal steps to the end leave no short rest.
             let h = rest / ((rest - MIN_STEP) / self.step.min(longest)).ceil().max(1.0);
             let outcome = self.solve(system, state.view(), *time, h);
-            // A stage that is not solved has no error in bounds.
             let error = outcome.map_or(f64::INFINITY, |()| self.error(system, state.view(), h));
-            let factor = change(error);
+            let factor = step_factor(error);
             if error <= 1.0 {
                 *time = if h >= rest { to } else { *time + h };
                 self.accept(system, state, *time, h);
-                // An accepted step is not shortened, as in CVODE: a communication step that is
-                // split in two takes new factors. Nor does the step grow right after a failure
-                // (Hairer, Nørsett and Wanner, II.4).
+                // An accepted step is not shortened, as in CVODE: a communication step split in two
+                // takes new factors. Nor does the step grow right after a failure (Hairer, Nørsett
+                // and Wanner, II.4).
                 self.step = if repeats {
                     self.step.min(h)
                 } else if factor < 1.0 {
                     h
                 } else {
-                    // A step shortened to meet the end is no reason against the longer one.
+                    // A step that was shortened to meet the end does not shorten the next ones.
                     self.step.max(h * factor)
                 }
                 .min(longest);

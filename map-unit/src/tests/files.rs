@@ -1,4 +1,4 @@
-//! Files of tables that a stranger hands over.
+//! Damaged and other files of tables.
 
 use std::array::from_fn;
 use std::fs;
@@ -18,7 +18,7 @@ fn document() -> Value {
     serde_json::from_slice(&text()).expect("JSON")
 }
 
-/// What is no file of this size is not read: a device has no end. A mark is no part of a file.
+/// A device has no end. A byte-order mark is no part of a file.
 #[cfg(unix)]
 #[test]
 fn other_than_files_and_large_files_are_refused_unread() {
@@ -108,18 +108,19 @@ fn values_are_those_of_the_file() {
     let tables = Tables::of_bytes(&text()).expect("tables");
     let axes = ["force", "speed", "ratio"].map(|name| flat(&document["axes"][name]["values"]));
     let limits = |[force, speed, ratio]: [f64; 3]| {
-        let place = tables.place(force, speed, ratio.ln());
-        let rates = [-1.0, 1.0].map(|utilisation| tables.shift_rate(&place, utilisation, 9.0).0);
-        (tables.limits.interpolate(&place, 0, 0.0).0, rates, place.outside)
+        let position = tables.position(force, speed, ratio.ln());
+        let rates = [-1.0, 1.0].map(|utilisation| tables.shift_rate(&position, utilisation, 9.0).value);
+        let limits = tables.limits.interpolate(&position, 0, 0.0);
+        (limits.map(|limit| limit.value), rates, position.outside)
     };
     let [_, speeds, ratios] = axes.each_ref().map(Vec::len);
     let [capacity, rates] = ["capacity", "shiftRate"].map(|name| flat(&document["tables"][name]["values"]));
     for (k, (expected, rates)) in capacity.chunks(2).zip(rates.chunks(18)).enumerate() {
-        let at = [k / ratios / speeds, k / ratios % speeds, k % ratios];
-        let place = from_fn(|n| axes[n][at[n]]);
-        let is_last: [bool; 3] = from_fn(|n| at[n] + 1 == axes[n].len());
-        let (found, shifts, _) = limits(place);
-        let beyond = from_fn(|n| if is_last[n] { 9.0 * place[n] } else { place[n] });
+        let indices = [k / ratios / speeds, k / ratios % speeds, k % ratios];
+        let point = from_fn(|n| axes[n][indices[n]]);
+        let is_last: [bool; 3] = from_fn(|n| indices[n] + 1 == axes[n].len());
+        let (found, shifts, _) = limits(point);
+        let beyond = from_fn(|n| if is_last[n] { 9.0 * point[n] } else { point[n] });
         assert_eq!(limits(beyond), (found, shifts, is_last.contains(&true)));
         let off = [0, 1].map(|direction| (found[direction] - expected[direction]).abs());
         assert!(off[0].max(off[1]) < 1e-3, "{found:?} {expected:?}");

@@ -6,22 +6,23 @@ use super::settings;
 use crate::law::{Law, State};
 use crate::settings::Settings;
 
-/// The radii are those of the detailed unit, between the stops. Between places of the table they
+/// The radii are those of the detailed unit, between the stops. Between points of the table they
 /// err by less than a micrometre.
 #[test]
 fn radii_close_the_belt_and_meet_the_stops() {
     let law = Law::new(&settings()).expect("laws");
     let parameters = &law.parameters;
-    let (least, most) = parameters.ratio_range();
+    let (least, most) = parameters.ratio_range().into_inner();
     for reference in [least, 0.5, 0.77, 1.0, 2.1, most] {
-        let (primary, secondary) = parameters.pitch_radii(reference).expect("a closed belt");
+        let PerPulley { primary, secondary } = parameters.pitch_radii(reference).expect("a closed belt");
         let found = law.radii((secondary / primary).ln());
-        let off = [found.primary.0 - primary, found.secondary.0 - secondary].map(f64::abs);
+        let off = [found.primary.value - primary, found.secondary.value - secondary].map(f64::abs);
         assert!(off[0].max(off[1]) < 1e-6, "{reference}: {off:?}");
     }
-    for (stop, [primary, secondary]) in law.stops.into_iter().zip([[0.082, 0.03], [0.03, 0.082]]) {
-        let found = law.radii(stop);
-        let off = [found.primary.0 - primary, found.secondary.0 - secondary].map(f64::abs);
+    for (stop, [primary, secondary]) in [(law.stops.start(), [0.082, 0.03]), (law.stops.end(), [0.03, 0.082])]
+    {
+        let found = law.radii(*stop);
+        let off = [found.primary.value - primary, found.secondary.value - secondary].map(f64::abs);
         assert!(off[0].min(off[1]) < 1e-6, "{off:?}");
     }
 }
@@ -37,16 +38,16 @@ fn torques(settings: &Settings) -> impl Fn(f64, f64, f64) -> [f64; 3] + use<> {
         };
         let point = law.point(&state, &inputs);
         let out = point.ratio * (point.torque() - point.torque_loss);
-        [point.torque(), out, law.shift(&point).0]
+        [point.torque(), out, law.shift(&point).value]
     }
 }
 
 #[test]
 fn reverse_running_is_the_mirror_image() {
-    let of = torques(&settings());
+    let found = torques(&settings());
     for (primary, secondary) in [(200.0, 150.0), (30.0, 31.0), (0.5, 0.2), (0.0, 0.3), (-3.0, 1.0)] {
-        let [into, out, shift] = of(primary, secondary, 0.25);
-        let [back_in, back_out, back] = of(-primary, -secondary, 0.25);
+        let [into, out, shift] = found(primary, secondary, 0.25);
+        let [back_in, back_out, back] = found(-primary, -secondary, 0.25);
         for (one, other) in [(into, back_in), (out, back_out), (shift, -back)] {
             assert!((one + other).abs() < 1e-12 * one.abs().max(1.0), "{primary}");
         }
@@ -56,16 +57,16 @@ fn reverse_running_is_the_mirror_image() {
 #[test]
 fn torque_is_continuous_and_falls_in_fast_sliding() {
     let mut settings = settings();
-    let of = torques(&settings);
+    let torques_of = torques(&settings);
     // Near standstill the torque grows by its capacity within 0.02 rad/s. At speed the belt slips
     // through.
     let speeds: [fn(f64) -> [f64; 2]; 2] = [|t| [2.0 * t - 1.0, 0.4], |t| [200.0, 185.0 * (1.0 - t)]];
     let [_, (most, fast)] = speeds.map(|speeds| {
-        let at = |k: i32| {
+        let torque = |k: i32| {
             let [primary, secondary] = speeds(f64::from(k) / 2e4);
-            of(primary, secondary, 0.1)[0]
+            torques_of(primary, secondary, 0.1)[0]
         };
-        let values: Vec<f64> = (0..=20_000).map(at).collect();
+        let values: Vec<f64> = (0..=20_000).map(torque).collect();
         let most = values.iter().copied().fold(0.0, f64::max);
         assert!(values.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.01 * most));
         (most, values[20_000])

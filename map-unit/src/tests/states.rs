@@ -34,8 +34,8 @@ fn a_stored_state_continues_bit_for_bit() {
     assert_eq!(one, other);
 }
 
-/// A copy, stored bytes and a step that can't be done give back every reading, also while a
-/// coefficient is set and not yet in force.
+/// A copy, stored bytes and a failed step restore every reading, also while a coefficient is set
+/// and not yet in force.
 #[test]
 fn each_way_back_gives_every_reading() {
     let mut settings = settings();

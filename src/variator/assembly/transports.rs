@@ -21,6 +21,7 @@ pub struct Transports {
 
 impl Transports {
     /// Memory for this number of cells.
+    #[must_use]
     pub fn new(cells: usize) -> Self {
         Self {
             quantities: Transport::default().map(|()| vec![0.0; 1 + cells + LANES]),
@@ -121,6 +122,7 @@ impl Face {
     /// Derivatives of the flux in the directions of the cell on a side, from those of its
     /// quantities.
     #[inline(always)]
+    #[must_use]
     pub fn derivatives<const N: usize>(&self, side: usize, of: &Transport<[f64; N]>) -> [f64; N] {
         let [flow, density] = [self.by[2 * side], self.by[2 * side + 1]];
         std::array::from_fn(|k| flow * of.flow[k] + density * of.density[k])

@@ -11,6 +11,7 @@ pub struct ResultantDerivatives(PerPulley<[Vec<f64>; 2]>);
 
 impl ResultantDerivatives {
     /// Memory for this number of unknowns.
+    #[must_use]
     pub fn new(unknowns: usize) -> Self {
         Self(PerPulley::from_fn(|_| [0, 1].map(|_| vec![0.0; unknowns])))
     }

@@ -8,12 +8,12 @@ use crate::stack;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell, Group};
-use crate::variator::settings::signals::Losses;
+use crate::variator::settings::Losses;
 use crate::variator::system::VariatorSystem;
 use num_traits::Zero;
 
-/// Axial force below which the belt counts as unclamped: thrust ratio, utilisation and steady state
-/// are then undefined, N.
+/// Axial force of an unclamped belt, at most, N: thrust ratio, utilisation and steady state are
+/// then undefined.
 pub(crate) const NO_FORCE: f64 = 1.0;
 
 /// The belt at one state.
@@ -159,7 +159,7 @@ impl BeltSums<Lanes> {
 }
 
 impl BeltDiagnostics {
-    /// The diagnostics of a state. Allocates.
+    /// The belt at a state. Allocates.
     #[must_use]
     pub fn new(system: &VariatorSystem, view: View<'_>) -> Self {
         let mut diagnostics = Self::default();
@@ -167,7 +167,7 @@ impl BeltDiagnostics {
         diagnostics
     }
 
-    /// Evaluates the belt at a state, in the memory of these diagnostics.
+    /// Evaluates the belt at a state.
     pub fn update(&mut self, system: &VariatorSystem, view: View<'_>) {
         system.sample(view, &mut self.samples);
         let mut sums = BeltSums::empty();
@@ -178,7 +178,7 @@ impl BeltDiagnostics {
         }
         self.sums = sums.total();
         if system.belt.law.is_pull_chain() {
-            // One law of drag along the ring, whose cause differs.
+            // The law of drag along the ring is the same, its cause another.
             let losses = &mut self.sums.losses;
             (losses.joints, losses.layers) = (losses.layers, 0.0);
         }

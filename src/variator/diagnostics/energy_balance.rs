@@ -1,11 +1,11 @@
 //! The error norm of time integration, its longest step, and the energy balance of a run.
 
+use super::belt::{BeltDiagnostics, BeltSums};
 use crate::archive::Archive;
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::sdirk::Evolution;
 use crate::solver::{System, View};
-use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::system::VariatorSystem;
 
@@ -60,18 +60,17 @@ impl System for Problem<'_> {
 }
 
 impl Evolution for Problem<'_> {
-    /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance),
-    /// sheave positions (1 mm), displaced centres (5 mm; their turn to 5e-3 of the tolerance), tilt
-    /// (2 mrad), speeds (10 rad/s and a tenth of the speed); belt speed and sliding (m/s); element
-    /// contents (5 mm: push force); ring positions (10 mm: tension, radial deviation). The last
-    /// three enter as a mean over the belt.
+    /// Errors relative to the working range of each quantity: Θ (0.01), sheave positions (1 mm),
+    /// displaced centres (5 mm; their turn 5e-3), tilt (2 mrad), speeds (10 rad/s and a tenth of
+    /// the speed); and as a mean over the belt: belt speed and sliding (m/s), element contents (5
+    /// mm: push force), ring positions (10 mm: tension, radial deviation).
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
         let belt = &*self.system.belt;
         let layout = &belt.layout;
         let tolerance = self.system.parameters.solver.tolerance;
         let (mut norm, mut is_finite) = (0.0_f64, true);
         let mut take = |error: f64| {
-            // The largest of numbers leaves out what is none.
+            // The maximum of numbers ignores NaN.
             is_finite &= error.is_finite();
             norm = norm.max(error.abs());
         };
@@ -84,19 +83,19 @@ impl Evolution for Problem<'_> {
                 take(y_error[layout.tilt(pulley, axis)] / (2.0e-3 * tolerance));
             }
         }
-        // Sharper near standstill, where there is little energy to be wrong about.
+        // Sharper near standstill, where there is little energy.
         let speed = view.y[layout.belt_speed(0)].abs();
         let running = speed / (0.1 + speed);
         let speed_scale = tolerance * (1.0 + speed + 8.5 * running);
-        let place_scale = 1.0e-2 * tolerance * (0.02 + 0.9 * running);
+        let position_scale = 1.0e-2 * tolerance * (0.02 + 0.9 * running);
         let mut local = 0.0;
-        for at in &belt.cells_at {
-            let speed = y_error[at.speed] / speed_scale;
-            let content = y_error[at.content] / (5.0e-3 * tolerance);
+        for cell in &belt.cells_at {
+            let speed = y_error[cell.speed] / speed_scale;
+            let content = y_error[cell.content] / (5.0e-3 * tolerance);
             local += speed * speed + content * content;
         }
         for (i, _) in layout.node_unknowns().filter(|(_, is_length)| *is_length) {
-            let x = q_error[i] / place_scale;
+            let x = q_error[i] / position_scale;
             local += x * x;
         }
         for centre in layout.centres() {
@@ -118,7 +117,10 @@ impl Evolution for Problem<'_> {
         self.energy.last.update(self.system, after);
         let second = powers(self.system, &at_end, after, &self.energy.last.sums);
         let forces = [&at_start, &in_middle, &at_end].map(Boundary::clamping_forces);
-        let [mut supplied, mut lost, mut moved] = std::array::from_fn(|k| 0.5 * h * (first[k] + second[k]));
+        let trapezoid = |first: f64, second: f64| 0.5 * h * (first + second);
+        let mut supplied = trapezoid(first.supplied, second.supplied);
+        let mut lost = trapezoid(first.lost, second.lost);
+        let mut moved = trapezoid(first.moved, second.moved);
         for pulley in Pulley::BOTH {
             let of_sheave = self.sheave_work(pulley, before, after, h, forces.map(|force| force[pulley]));
             supplied += of_sheave.work;
@@ -144,8 +146,8 @@ struct SheaveWork {
 }
 
 impl Problem<'_> {
-    /// Work on the own inertia of a pulley in speed drive: it follows its set point in less than a
-    /// step, and this work is known. Else zero.
+    /// Work on the inertia of a pulley in speed drive, which follows its set point in less than a
+    /// step. Else zero.
     fn work_on_set_point(
         &self,
         pulley: Pulley,
@@ -161,10 +163,9 @@ impl Problem<'_> {
         0.5 * self.system.parameters.pulley(pulley).inertia * change
     }
 
-    /// A sheave's step response is shorter than a step, so its force's work and the loss of its
-    /// damper and seals follow from Simpson's rule, with ż in the middle from the change of z:
-    /// under a constant force the work is exact. `forces` of clamp and pressure are those at the
-    /// start, in the middle and at the end.
+    /// By Simpson's rule with ż in the middle from the change of z, since a sheave's step response
+    /// is shorter than a step: under a constant force the work is exact. `forces` of clamp and
+    /// pressure are those at the start, in the middle and at the end.
     fn sheave_work(
         &self,
         pulley: Pulley,
@@ -196,16 +197,27 @@ impl Problem<'_> {
     }
 }
 
-/// Powers of a state, W, from the belt's sums there: supplied, lost, and moved over the shafts.
-/// Those of the clamping forces, and what accelerates a pulley in speed drive, are not in them.
-fn powers(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &BeltSums) -> [f64; 3] {
+/// Powers, W, without those of the clamping forces and of the acceleration of a pulley in speed
+/// drive.
+struct Powers {
+    supplied: f64,
+    lost: f64,
+    /// Over the shafts.
+    moved: f64,
+}
+
+/// Powers of a state from the belt's sums there.
+fn powers(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &BeltSums) -> Powers {
     let speeds = system.belt.shaft_speeds(view);
     let mut moved = 0.0;
     for pulley in Pulley::BOTH {
         moved += (sums.torque[pulley] * speeds[pulley]).abs();
     }
-    let supplied = system.pulleys().shaft_power(boundary, view, sums.shaft_torque);
-    [supplied, sums.losses.total() + system.pulleys().losses(view), moved]
+    Powers {
+        supplied: system.pulleys().shaft_power(boundary, view, sums.shaft_torque),
+        lost: sums.losses.total() + system.pulleys().losses(view),
+        moved,
+    }
 }
 
 impl EnergyBalance {
@@ -220,12 +232,11 @@ impl EnergyBalance {
         }
     }
 
-    /// Energy that is not accounted for where so much is stored, J.
+    /// Energy that is not accounted for where `stored` is stored, J.
     pub(crate) fn residual(&self, stored: f64) -> f64 {
         self.supplied - self.lost - (stored - self.initial)
     }
 
-    /// Writes to an archive, or reads from it, the energies.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         for value in [&mut self.supplied, &mut self.lost, &mut self.initial, &mut self.moved] {
             archive.real(value);

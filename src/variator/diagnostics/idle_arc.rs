@@ -1,13 +1,10 @@
-//! Idle arcs: the part of each arc, from its entry on, where the push force is still that of the
-//! strand that feeds it.
-//!
-//! The arc consists of an idle part, where the elements move with the pulley and the push force
-//! does not change, and an active part, where it changes from one strand's to the other's
-//! (Kobayashi et al., SAE 980822).
+//! Idle arcs: each arc consists of an idle part from its entry on, where the elements move with the
+//! pulley and the push force is still that of the strand before, and an active part, where it
+//! changes to that of the other strand (Kobayashi et al., SAE 980822).
 
+use super::{IDLE_CHANGE, NO_DIFFERENCE};
 use crate::pulley::{PerPulley, Pulley};
 use crate::variator::cell::sample::Sample;
-use crate::variator::diagnostics::{IDLE_CHANGE, NO_DIFFERENCE};
 use crate::variator::mesh::belt_mesh::BeltMesh;
 
 /// Mean push forces, N, of the strand from S to P and of the strand from P to S, in the direction

@@ -1,5 +1,8 @@
 //! Outputs: scalar ones, and profiles along the belt.
 
+use super::belt::{BeltDiagnostics, BeltSums, NO_FORCE, Sliding};
+use super::idle_arc::idle_arcs;
+use super::{NO_SPEED, ONE_WAY, SLIPPING_RIM, SLIPPING_VELOCITY, STILL_SLIPPING, UNLOADED};
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ReferenceCurve;
@@ -7,11 +10,8 @@ use crate::ring::stress::{RingPart, RingStress, ring_stress};
 use crate::solver::View;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
-use crate::variator::diagnostics::belt::{BeltDiagnostics, BeltSums, NO_FORCE, Sliding};
-use crate::variator::diagnostics::idle_arc::idle_arcs;
-use crate::variator::diagnostics::{NO_SPEED, ONE_WAY, SLIPPING, STILL_SLIPPING, UNLOADED};
-use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
-use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs};
+use crate::variator::mesh::belt_mesh::BeltMesh;
+use crate::variator::settings::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs};
 use crate::variator::system::VariatorSystem;
 
 use Pulley::{Primary, Secondary};
@@ -27,8 +27,8 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// Fills `out` from the state at a time, s, and the diagnostics of the belt there, but for what
-    /// depends on the run before.
+    /// Fills `out` from the state at a time, s, and the diagnostics of the belt there, without
+    /// quantities of the run before.
     pub fn observe(
         &mut self,
         system: &VariatorSystem,
@@ -53,7 +53,7 @@ impl Observer {
         } else {
             idle_arcs(&belt.mesh, stations, belt.curve.length(), sums.speed_integral < 0.0)
         };
-        let of = |j: Pulley| PulleyOutputs {
+        let outputs = |j: Pulley| PulleyOutputs {
             speed: view.y[belt.layout.shaft_speed(j)],
             radius: radii[j],
             position: view.q[belt.layout.sheave(j)],
@@ -69,7 +69,7 @@ impl Observer {
             idle_arc: idle[j],
             tilt: f64::hypot(view.y[belt.layout.tilt(j, 0)], view.y[belt.layout.tilt(j, 1)]),
         };
-        (out.primary, out.secondary) = (of(Primary), of(Secondary));
+        (out.primary, out.secondary) = (outputs(Primary), outputs(Secondary));
         out.belt_speed = sums.speed_integral / sums.pitch_length;
         out.ring_speed = view.y[belt.layout.drift()];
         out.reference_theta = view.q[belt.layout.theta()];
@@ -90,8 +90,8 @@ impl Observer {
     }
 
     /// The tension of a cubic element oscillates about its mean wherever the curvature changes
-    /// fast. The balance along the ring determines the mean.
-    /// Its curvature, which is linear in an element, has a mean of higher accuracy, too.
+    /// fast. The balance along the ring determines the mean. The mean of its curvature, which is
+    /// linear in an element, is more accurate too.
     fn mean_elements(&mut self, mesh: &BeltMesh, length: f64) {
         self.elements.clear();
         self.elements.resize(mesh.elements.len(), RingPart::default());
@@ -126,18 +126,18 @@ impl Observer {
         ring_stress(&law.ring, &law.layers, speed, radii, &self.elements, &mut self.stresses)
     }
 
-    /// Fills fields along the belt: linear between stations, around the loop. Samples, means of the
-    /// elements and their stress are those of the last [`observe`](Self::observe), which must have
-    /// been at the same state, with these sums.
+    /// Fills fields along the belt, linear between stations. The last [`observe`](Self::observe)
+    /// must have been at the same state, with these sums.
     pub fn profile(&self, belt: &Belt, view: View<'_>, sums: &BeltSums, profile: &mut Profile) {
         let mesh = &belt.mesh;
         let radii = sums.mean_radii(belt, view);
         let length = belt.curve.length();
         let middles = belt.middles(view);
         let plane = 0.5 * (middles.secondary + middles.primary);
-        let deviation = |cell: &Cell, sample: &Sample| {
+        let deviation = |k: usize| {
+            let sample = &self.stations[k];
             if sample.on_arc() {
-                sample.pitch_radius - radii[cell.pulley]
+                sample.pitch_radius - radii[mesh.cells[k / mesh.points].pulley]
             } else {
                 sample.outward
             }
@@ -148,8 +148,9 @@ impl Observer {
         } else {
             belt.law.stack.element_thickness
         };
-        let gap = |sample: &Sample| thickness * (sample.density.recip() - 1.0).max(0.0);
-        let sliding = |sample: &Sample| {
+        let gap = |k: usize| thickness * (self.stations[k].density.recip() - 1.0).max(0.0);
+        let sliding = |k: usize| {
+            let sample = &self.stations[k];
             if sample.normal > UNLOADED {
                 sample.sliding
             } else {
@@ -159,23 +160,19 @@ impl Observer {
         let (mut station, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
             let xi = k as f64 * length / PROFILE_POINTS as f64;
-            let (before, after, fraction) = bracket(&self.elements, |e| e.xi, xi, length, &mut element);
-            let within = |of: &dyn Fn(usize) -> f64| of(before) * (1.0 - fraction) + of(after) * fraction;
+            let on_ring = Bracket::new(&self.elements, |e| e.xi, xi, length, &mut element);
             profile.position[k] = xi;
-            profile.ring_tension[k] = within(&|e| self.elements[e].tension);
-            profile.ring_stress[k] = within(&|e| self.stresses[e]);
-            let (before, after, fraction) =
-                bracket(&self.stations, |sample| sample.xi, xi, length, &mut station);
-            let [(of_a, a), (of_b, b)] =
-                [before, after].map(|k| (&mesh.cells[k / mesh.points], &self.stations[k]));
-            let between = |a: f64, b: f64| a * (1.0 - fraction) + b * fraction;
-            profile.push_force[k] = between(a.push, b.push);
-            profile.gap[k] = between(gap(a), gap(b));
-            profile.normal_force[k] = between(a.normal, b.normal);
-            profile.sliding_speed[k] = between(sliding(a), sliding(b));
-            profile.radial_deviation[k] = between(deviation(of_a, a), deviation(of_b, b));
+            profile.ring_tension[k] = on_ring.interpolate(|e| self.elements[e].tension);
+            profile.ring_stress[k] = on_ring.interpolate(|e| self.stresses[e]);
+            let stations = &self.stations;
+            let on_belt = Bracket::new(stations, |sample| sample.xi, xi, length, &mut station);
+            profile.push_force[k] = on_belt.interpolate(|k| stations[k].push);
+            profile.gap[k] = on_belt.interpolate(gap);
+            profile.normal_force[k] = on_belt.interpolate(|k| stations[k].normal);
+            profile.sliding_speed[k] = on_belt.interpolate(sliding);
+            profile.radial_deviation[k] = on_belt.interpolate(deviation);
             if belt.layout.is_spatial() {
-                profile.lateral_deflection[k] = between(a.lateral, b.lateral) - plane;
+                profile.lateral_deflection[k] = on_belt.interpolate(|k| stations[k].lateral) - plane;
             }
         }
     }
@@ -199,14 +196,14 @@ impl Outputs {
         } else {
             (p.axial_force / s.axial_force).clamp(-100.0, 100.0)
         };
-        self.efficiency = efficiency([-shaft_torques.primary * p.speed, -shaft_torques.secondary * s.speed]);
-        self.belt_efficiency = efficiency([p.power, s.power]);
+        self.efficiency = efficiency(-shaft_torques.primary * p.speed, -shaft_torques.secondary * s.speed);
+        self.belt_efficiency = efficiency(p.power, s.power);
     }
 }
 
-/// Power out at the driven side / power in at the driving side; 0 where no power flows in. `power`
-/// is the power into the belt at each side, W.
-fn efficiency([primary, secondary]: [f64; 2]) -> f64 {
+/// Power out at the driven side / power in at the driving side, from the powers into the belt at
+/// each side, W; 0 where no power flows in.
+fn efficiency(primary: f64, secondary: f64) -> f64 {
     let (driving, driven) = (primary.max(secondary), -primary.min(secondary));
     if driving < NO_FORCE * NO_SPEED {
         return 0.0;
@@ -231,8 +228,7 @@ fn torque_utilisation(system: &VariatorSystem, sums: &BeltSums, radius: f64) -> 
     }
 }
 
-/// Fills in the distance between the pulleys' middles along z, and the lateral deflection of a ring
-/// in space.
+/// Sets the misalignment, and the lateral deflection of a ring in space.
 fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) {
     let middles = belt.middles(view);
     out.misalignment = middles.primary - middles.secondary;
@@ -261,10 +257,10 @@ fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) 
 
 /// Difference between the largest and the smallest pitch radius on the arc of a pulley, m.
 fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
-    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-    let mut widen = |radius: f64| range = (range.0.min(radius), range.1.max(radius));
-    // Faces are included: the radius changes fastest at the arc borders, beyond the last station.
-    // On the aligned mesh the face after an arc is its end.
+    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut widen = |radius: f64| (least, most) = (least.min(radius), most.max(radius));
+    // With faces: the radius changes fastest at the arc borders, beyond the last station. On the
+    // aligned mesh the face after an arc is its end.
     let mut left_arc = false;
     for (k, sample) in stations.iter().enumerate() {
         if mesh.cells[k / mesh.points].pulley != j {
@@ -278,31 +274,43 @@ fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
         }
         left_arc = mesh.aligned && sample.on_arc();
     }
-    range.1 - range.0
+    most - least
 }
 
-/// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the
-/// fraction of the second. `right` is the index of the last result, so `xi` must ascend from call
-/// to call.
-fn bracket<T>(
-    list: &[T],
-    at: impl Fn(&T) -> f64,
-    xi: f64,
-    length: f64,
-    right: &mut usize,
-) -> (usize, usize, f64) {
-    let n = list.len();
-    while *right < n && at(&list[*right]) < xi {
-        *right += 1;
+/// The two neighbours of a point in a list along the belt.
+struct Bracket {
+    left: usize,
+    right: usize,
+    /// Weight of the right one.
+    fraction: f64,
+}
+
+impl Bracket {
+    /// Neighbours of `xi` in a list sorted by `position` along a loop of length `length`. `next` is
+    /// the index of the last result, so `xi` must ascend from call to call.
+    fn new<T>(list: &[T], position: impl Fn(&T) -> f64, xi: f64, length: f64, next: &mut usize) -> Self {
+        let n = list.len();
+        while *next < n && position(&list[*next]) < xi {
+            *next += 1;
+        }
+        let (left, right) = ((*next + n - 1) % n, *next % n);
+        let from = position(&list[left]) - if *next == 0 { length } else { 0.0 };
+        let to = position(&list[right]) + if *next == n { length } else { 0.0 };
+        let fraction = ((xi - from) / (to - from)).clamp(0.0, 1.0);
+        Self {
+            left,
+            right,
+            fraction,
+        }
     }
-    let (a, b) = ((*right + n - 1) % n, *right % n);
-    let from = at(&list[a]) - if *right == 0 { length } else { 0.0 };
-    let to = at(&list[b]) + if *right == n { length } else { 0.0 };
-    (a, b, ((xi - from) / (to - from)).clamp(0.0, 1.0))
+
+    fn interpolate(&self, value: impl Fn(usize) -> f64) -> f64 {
+        value(self.left) * (1.0 - self.fraction) + value(self.right) * self.fraction
+    }
 }
 
-/// Macro-slip: the loaded stations of a pulley slide tangentially one way, faster than a limit on
-/// average. Once set, it stays until the mean falls below a fraction of that.
+/// Macro-slip: the loaded stations of a pulley slide tangentially in one direction, faster than a
+/// limit on average; afterwards, faster than a fraction of that.
 pub(crate) fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSums, before: bool) -> bool {
     let radii = sums.mean_radii(&system.belt, view);
     Pulley::BOTH.into_iter().any(|j| {
@@ -312,7 +320,7 @@ pub(crate) fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSum
             forward,
         } = sums.sliding[j];
         let omega = view.y[system.belt.layout.shaft_speed(j)];
-        let limit = SLIPPING[0] * system.friction_velocity + SLIPPING[1] * (omega * radii[j]).abs();
+        let limit = SLIPPING_VELOCITY * system.friction_velocity + SLIPPING_RIM * (omega * radii[j]).abs();
         let mean = (weighted / load).abs();
         let one_way = (forward / load).max(1.0 - forward / load) > ONE_WAY;
         load >= NO_FORCE && (one_way && mean > limit || before && mean > STILL_SLIPPING * limit)

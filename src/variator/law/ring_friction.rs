@@ -2,7 +2,7 @@
 
 use crate::contact::Friction;
 use crate::ring::layers;
-use crate::scalar::{Real, smooth_plus};
+use crate::scalar::Real;
 
 /// Smoothing width of the ring's normal load ⟨T − m_r ṡ²⟩₊, N.
 const RING_LOAD_SMOOTHING: f64 = 1.0;
@@ -16,7 +16,7 @@ pub fn pressing<T: Real>(mass_per_length: f64, tension: T, s_dot: T) -> T {
 /// Normal load ⟨`pressing`⟩₊ of the ring on the elements, N.
 #[inline(always)]
 fn ring_load<T: Real>(pressing: T) -> T {
-    smooth_plus(pressing, RING_LOAD_SMOOTHING).0
+    pressing.smooth_plus(RING_LOAD_SMOOTHING).value
 }
 
 /// Friction of the ring on elements per dξ, N/m, at the tension [`pressing`], N, and the sliding

@@ -22,7 +22,7 @@ impl Descriptor {
         let drift = system.belt.layout.drift();
         let positions: Vec<usize> = (0..n).filter(|&i| system.has_position()[i] && i != drift).collect();
         let mut jacobian = |alpha, beta| dense_jacobian(system, state, alpha, beta);
-        let (by_y, by_rate, by_place) = (jacobian(0.0, 0.0), jacobian(1.0, 0.0), jacobian(0.0, 1.0));
+        let (by_y, by_rate, by_position) = (jacobian(0.0, 0.0), jacobian(1.0, 0.0), jacobian(0.0, 1.0));
         let size = n + positions.len();
         let (mut e, mut a) = (Mat::<f64>::zeros(size, size), Mat::<f64>::zeros(size, size));
         for i in 0..n {
@@ -31,7 +31,7 @@ impl Descriptor {
                 a[(i, j)] = -by_y[(i, j)];
             }
             for (k, &j) in positions.iter().enumerate() {
-                a[(i, n + k)] = by_y[(i, j)] - by_place[(i, j)];
+                a[(i, n + k)] = by_y[(i, j)] - by_position[(i, j)];
             }
         }
         for (k, &j) in positions.iter().enumerate() {
@@ -43,9 +43,8 @@ impl Descriptor {
         descriptor
     }
 
-    /// The total element content is constant. This constraint replaces one of the balances, whose
-    /// sum implies it. Otherwise it would be a mode with the eigenvalue 0, which rounding mixes
-    /// with slow ones.
+    /// The total element content is constant: this replaces one of the balances, whose sum implies
+    /// it. Otherwise it would be a mode with the eigenvalue 0, which rounding mixes with slow ones.
     fn constrain_amounts(&mut self, system: &VariatorSystem) {
         let cells = system.belt.layout.cells();
         let balance = system.belt.layout.content(cells - 1);

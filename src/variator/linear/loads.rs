@@ -2,14 +2,13 @@
 
 use faer::Mat;
 
+use super::SAME;
+use super::working_point::WorkingPoint;
 use crate::solver::System;
-use crate::variator::linear::SAME;
-use crate::variator::linear::working_point::WorkingPoint;
 use crate::variator::pulleys::loads::Loads;
-use crate::variator::settings::parameters::{Axial, Drive, Parameters};
-use crate::variator::settings::signals::{INPUTS, Inputs};
+use crate::variator::settings::{Axial, Drive, INPUTS, Input, Inputs, Parameters};
 
-/// An input of the linear model, by its place among the values of `Inputs`.
+/// An input of the linear model, by its index among the values of `Inputs`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Load(usize);
 
@@ -28,13 +27,13 @@ impl Load {
     /// Name of the variable of the FMU.
     #[must_use]
     pub fn name(self) -> &'static str {
-        INPUTS[self.0].0
+        INPUTS[self.0].name
     }
 
     /// Its unit.
     #[must_use]
     pub fn unit(self) -> &'static str {
-        INPUTS[self.0].1
+        INPUTS[self.0].unit
     }
 }
 
@@ -49,8 +48,10 @@ pub(super) fn loads_in_force(parameters: &Parameters) -> Vec<Load> {
             ("clampingForce", is_clamped),
             ("pressure", is_clamped && pulley.cylinder.area > 0.0),
         ] {
-            let place = INPUTS.iter().position(|(of, ..)| of.strip_prefix(prefix) == Some(name));
-            loads.extend(place.filter(|_| acts).map(Load));
+            let index = INPUTS
+                .iter()
+                .position(|input| input.name.strip_prefix(prefix) == Some(name));
+            loads.extend(index.filter(|_| acts).map(Load));
         }
     }
     loads
@@ -91,9 +92,9 @@ pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
     // The set point of a speed is the speed of the point.
     for load in loads.iter().filter(|load| load.unit() != "rad/s") {
         let (given, held) = (load.value(&point.given), load.value(&point.inputs));
-        let (name, unit, usual) = INPUTS[load.0];
+        let Input { name, unit, size } = INPUTS[load.0];
         // Drag alone changes a torque of zero.
-        if (held - given).abs() > SAME * given.abs().max(held.abs()).max(usual) {
+        if (held - given).abs() > SAME * given.abs().max(held.abs()).max(size) {
             found.push(format!(
                 "this point requires {name} = {held:.2} {unit}, but {given} {unit} is specified"
             ));

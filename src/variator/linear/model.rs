@@ -3,18 +3,17 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Scale};
 
+use super::SHIFT;
+use super::descriptor::Descriptor;
+use super::loads::{Load, departures, load_columns, loads_in_force};
+use super::modes::{SlowModes, slow_modes};
+use super::working_point::{LinearError, WorkingPoint};
 use crate::solver::{State, System};
 use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::diagnostics::observe::Observer;
-use crate::variator::linear::SHIFT;
-use crate::variator::linear::descriptor::Descriptor;
-use crate::variator::linear::loads::{Load, departures, load_columns, loads_in_force};
-use crate::variator::linear::modes::slow_modes;
-use crate::variator::linear::working_point::{LinearError, WorkingPoint};
 use crate::variator::pulleys::loads::Loads;
 use crate::variator::run::variator::Variator;
-use crate::variator::settings::parameters::Parameters;
-use crate::variator::settings::signals::{Inputs, Outputs};
+use crate::variator::settings::{Inputs, Outputs, Parameters};
 
 /// ẋ = A x + B u, y = C x + D u about the working point. Each matrix is a list of its rows;
 /// deviations in SI units.
@@ -32,21 +31,20 @@ pub struct LinearModel {
     pub a: Vec<Vec<f64>>,
     /// B, a column for each load.
     pub b: Vec<Vec<f64>>,
-    /// C, a row for each output that `read` picks.
+    /// C, a row for each output that was chosen.
     pub c: Vec<Vec<f64>>,
-    /// D: direct effect of the loads on the outputs, through modes that are not in A.
+    /// D: direct effect of the loads on the outputs, by modes that are not in A.
     pub d: Vec<Vec<f64>>,
     /// Eigenvalues of A, 1/s, in the order of the states, the slowest first: real and imaginary
     /// part. A conjugate pair has two states.
     pub poles: Vec<[f64; 2]>,
-    /// Differences from the specified working point: the belt slips through, or other loads hold
-    /// it. One sentence each.
+    /// Differences from the specified working point, one sentence each.
     pub remarks: Vec<String>,
 }
 
 /// The linear model about the steady state at the initial ratio and speed: modes below `frequency`,
-/// Hz, and the outputs that `read` picks. The torques, and the clamping force of the pulley that
-/// reacts, are those that hold the state; they are among the inputs of the model.
+/// Hz, and the outputs `read`. The torques, and the clamping force of the pulley that reacts, are
+/// those that hold the state; they are among the inputs of the model.
 ///
 /// # Errors
 /// See [`LinearError`].
@@ -84,7 +82,7 @@ fn about(
     let cut_off = std::f64::consts::TAU * frequency;
     let shift = SHIFT * cut_off;
     let factors = descriptor.factors(shift);
-    let (right, left, poles) = slow_modes(&descriptor, &factors, cut_off)?;
+    let SlowModes { right, left, poles } = slow_modes(&descriptor, &factors, cut_off)?;
     if right.ncols() == 0 {
         return Err(LinearError::NoMode(frequency));
     }
@@ -93,8 +91,8 @@ fn about(
     let slow_a = projection.solve(&left * &descriptor.a * &right);
     let slow_b = projection.solve(&left * &b);
     let rates = &right * &slow_a;
-    // What the slow modes leave of the response of the whole system to each load: that of the slow
-    // modes is large here, and sliding depends on it nonlinearly.
+    // Response of the whole system to each load less that of the slow modes, which is large here,
+    // and sliding depends on it nonlinearly.
     let whole = factors.solve(&b);
     let identity = Mat::<f64>::identity(poles.len(), poles.len());
     let slow = (identity * Scale(shift) - &slow_a).partial_piv_lu().solve(&slow_b);
@@ -150,25 +148,25 @@ fn derivatives_along(
         ..
     } = point;
     let n = direction.y.len();
-    let (mut velocity, mut place) = (vec![0.0; n], vec![0.0; n]);
+    let (mut velocity, mut position) = (vec![0.0; n], vec![0.0; n]);
     system.newton_scale(1.0e-6, &mut velocity);
-    system.newton_scale(1.0, &mut place);
+    system.newton_scale(1.0, &mut position);
     let mut largest = f64::MIN_POSITIVE;
     for i in 0..n {
         largest = largest.max((direction.y[i] / velocity[i]).abs());
         if system.has_position()[i] {
-            largest = largest.max((direction.q[i] / place[i]).abs());
+            largest = largest.max((direction.q[i] / position[i]).abs());
         }
     }
     let step = 1.0 / largest;
-    // A clamping force is not negative, so none lies below that of a pulley that is closed by
-    // pressure alone.
+    // A clamping force is not negative, so there is none below that of a pulley under pressure
+    // alone.
     let offset = if load.is_some_and(|load| load.unit() == "N") {
         step
     } else {
         0.0
     };
-    let mut beside = |step: f64| {
+    let mut outputs_after = |step: f64| {
         let mut state = state.clone();
         for i in 0..n {
             state.y[i] += step * direction.y[i];
@@ -185,7 +183,7 @@ fn derivatives_along(
         Observer::default().observe(system, 0.0, state.view(), &diagnostics, &mut outputs);
         outputs
     };
-    let (after, before) = (beside(step), beside(-step));
+    let (after, before) = (outputs_after(step), outputs_after(-step));
     let slope = |read: &&dyn Fn(&Outputs) -> f64| (read(&after) - read(&before)) / (2.0 * step);
     read.iter().map(slope).collect()
 }

@@ -1,16 +1,14 @@
 //! The steady state about which a model is linear, and the loads that hold it.
 
+use super::STEADY;
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 use crate::solver::{State, System};
 use crate::variator::diagnostics::belt::BeltDiagnostics;
-use crate::variator::linear::STEADY;
 use crate::variator::pulleys::loads::Loads;
 use crate::variator::run::tuning::STANDSTILL;
 use crate::variator::run::{InitialisationError, Variator};
-use crate::variator::settings::ParameterError;
-use crate::variator::settings::parameters::{Axial, Drive, Parameters};
-use crate::variator::settings::signals::{Inputs, Outputs, StartState};
+use crate::variator::settings::{Axial, Drive, Inputs, Outputs, ParameterError, Parameters, StartState};
 use crate::variator::system::VariatorSystem;
 
 /// Why there is no linear model.

@@ -2,8 +2,7 @@
 
 use crate::archive::Archive;
 use crate::pulley::PerPulley;
-use crate::variator::settings::parameters::{Axial, Drive, Parameters};
-use crate::variator::settings::signals::Inputs;
+use crate::variator::settings::{Axial, Drive, Inputs, Parameters};
 
 /// Condition that determines a sheave's axial position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,15 +22,15 @@ pub enum SheaveMode {
 }
 
 /// Factor on the inertias of the pulleys in a steady solution, so that their speeds follow the
-/// belt: a tenth more work without, and one start in a hundred is not found. Half: -4, -2 % of the
-/// Jacobians and residuals of forty random starts; twice: 0, 0.
+/// belt: without it a tenth more work, and one start in a hundred is not found. Half: -4, -2 % of
+/// the Jacobians and residuals of forty random starts; twice: 0, 0.
 pub(crate) const PSEUDO_INERTIA: f64 = 40.0;
 
-/// Time in which the reaction force of a steady solution is corrected, and in which the sheaves
-/// tilt there, s. A soft sheave that tilts in its own milliseconds rings against the spring that
-/// holds Θ: of 126 starts with soft sheaves 14 are not found, with this time 8, with twice 2. But
-/// twice takes five times the work where a torque is far beyond capacity, and ten times loses
-/// states at small forces on coarse meshes.
+/// Time in which the reaction force of a steady solution is corrected, and in which its sheaves
+/// tilt, s. A soft sheave with its own time of milliseconds oscillates against the spring of Θ: of
+/// 126 starts with soft sheaves 14 are not found, with this time 8, with twice 2. But twice takes
+/// five times the work where a torque is far beyond capacity, and with ten times states at small
+/// forces on coarse meshes are not found.
 pub(crate) const FORCE_TIME: f64 = 0.02;
 
 /// Stiffness of the spring that holds the ratio of a steady solution, N per unit of Θ: a clamping
@@ -80,6 +79,7 @@ impl Boundary {
     };
 
     /// Forces of clamps and pressures on the movable sheaves, N; 0 where they are held.
+    #[must_use]
     pub fn clamping_forces(&self) -> PerPulley<f64> {
         self.sheave.map(|sheave| match sheave {
             SheaveMode::Force(force) => force,
@@ -88,11 +88,10 @@ impl Boundary {
     }
 }
 
-/// Shortest time in which inputs change, s: rates over less are rounding errors. Nor does a run
-/// advance by less.
+/// Shortest time of a change of inputs and of a step, s: rates over less are rounding errors.
 pub(crate) const SHORTEST_STEP: f64 = 1.0e-9;
 
-/// Inputs as functions of time, in proportion to it before and after one kink: the end of a ramp.
+/// Inputs as functions of time, linear before and after one kink, the end of a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputProfile {
     /// Time of the kink, s.
@@ -104,7 +103,8 @@ pub struct InputProfile {
 }
 
 impl InputProfile {
-    /// Inputs that stay as they are.
+    /// Constant inputs.
+    #[must_use]
     pub fn constant(inputs: &Inputs) -> Self {
         Self {
             kink: 0.0,
@@ -113,9 +113,10 @@ impl InputProfile {
         }
     }
 
-    /// Inputs that go from `present` to those given over `time`, s: no longer than the step from
-    /// `from` to `to`, and none below a nanosecond; a negative time stands for all of it. An input
-    /// that has a rate starts at its value and changes at that rate.
+    /// Inputs that ramp from `present` to those given over `time`, s: at most the step from `from`
+    /// to `to`, and at once below a nanosecond; a negative time is the whole step. An input with a
+    /// rate starts at its value and changes at that rate.
+    #[must_use]
     pub fn new(time: f64, [from, to]: [f64; 2], present: &Inputs, given: &Inputs, rates: &Inputs) -> Self {
         let whole = time < 0.0 || time >= to - from - SHORTEST_STEP;
         let jumps = time < SHORTEST_STEP;
@@ -141,8 +142,8 @@ impl InputProfile {
         }
     }
 
-    /// The same from now on, but for the inputs that have changed from `before` to `given`: these
-    /// have their new values at once, and no rate.
+    /// Sets the inputs that have changed from `before` to `given` to their new values, without a
+    /// rate.
     pub(crate) fn change(&mut self, before: &Inputs, given: &Inputs) {
         let (before, given) = (before.values(), given.values());
         for k in (0..given.len()).filter(|&k| before[k] != given[k]) {
@@ -153,8 +154,8 @@ impl InputProfile {
         }
     }
 
-    /// Inputs at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never
-    /// pulled.
+    /// Inputs at a time, s. A clamping force that falls ends at zero.
+    #[must_use]
     pub fn evaluate(&self, time: f64) -> Inputs {
         let rates = &self.rates[usize::from(time >= self.kink)];
         let mut inputs = self.inputs.after(time - self.kink, rates);
@@ -164,7 +165,6 @@ impl InputProfile {
         inputs
     }
 
-    /// Writes to an archive, or reads from it.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         archive.real(&mut self.kink);
         let [before, after] = &mut self.rates;
@@ -186,6 +186,7 @@ pub enum Loads {
 
 impl Loads {
     /// Inputs that are held.
+    #[must_use]
     pub fn held(inputs: &Inputs) -> Self {
         Self::Inputs(InputProfile::constant(inputs))
     }

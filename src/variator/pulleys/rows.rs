@@ -6,6 +6,7 @@
 //! - rotation: J ω̇ = T + belt torque − T_d, or τ_ω ω̇ = ω_set − ω in speed drive; T_d is the
 //!   [drag](crate::shaft) of the shaft.
 
+use super::loads::{Boundary, FORCE_TIME, PSEUDO_INERTIA, RATIO_STIFFNESS, ShaftMode, SheaveMode};
 use crate::pulley::{PerPulley, Pulley, StopForce, Travel};
 use crate::scalar::{Real, Tangent};
 use crate::shaft::Drag;
@@ -16,10 +17,7 @@ use crate::tilt::Tilt;
 use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::mesh::layout::Layout;
-use crate::variator::pulleys::loads::{
-    Boundary, FORCE_TIME, PSEUDO_INERTIA, RATIO_STIFFNESS, ShaftMode, SheaveMode,
-};
-use crate::variator::settings::parameters::{Parameters, SPEED_LAG};
+use crate::variator::settings::{Parameters, SPEED_LAG};
 
 /// The two pulleys with their shafts.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +43,23 @@ pub struct External {
     pub clamping: f64,
 }
 
+/// Tilt of the sheaves of a pulley, rad, and its rate, rad/s.
+struct TiltMotion {
+    psi: [f64; 2],
+    rate: [f64; 2],
+}
+
+/// Motion on which the equation of a sheave depends.
+struct SheaveMotion<T> {
+    /// Position, speed and acceleration of the sheave.
+    z: T,
+    z_dot: T,
+    z_ddot: T,
+    /// Speed of its shaft.
+    omega: T,
+    theta: T,
+}
+
 /// An end stop of a movable sheave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
@@ -56,6 +71,7 @@ pub enum Stop {
 
 impl Stop {
     /// Its name in a message.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Opening => "opening",
@@ -100,7 +116,7 @@ impl<'a> Pulleys<'a> {
         self.travel(pulley).stop_force(view.q[z], view.y[z])
     }
 
-    /// The end stop that a sheave has reached, if any: it counts from the start of its compression.
+    /// The end stop that a sheave has reached, from the start of its compression on.
     pub fn stop_reached(&self, pulley: Pulley, view: View<'_>) -> Option<Stop> {
         let (z, travel) = (view.q[self.layout().sheave(pulley)], self.travel(pulley));
         let closed = (z >= travel.closed).then_some(Stop::Closing);
@@ -138,9 +154,8 @@ impl<'a> Pulleys<'a> {
         self.parameters.seal_friction(pulley, z_dot) * z_dot
     }
 
-    /// Adds to the rates `y_dot` the jumps that follow from a jump of the loads from `before` to
-    /// `after`: loads act on the pulleys' own inertia alone. The integrator's error estimate needs
-    /// them.
+    /// Adds to the rates `y_dot` the jumps from a jump of the loads, which act on the pulleys' own
+    /// inertia alone. The integrator's error estimate needs them.
     pub fn jump(&self, before: &Boundary, after: &Boundary, y_dot: &mut [f64]) {
         for pulley in Pulley::BOTH {
             let of = self.parameters.pulley(pulley);
@@ -168,7 +183,7 @@ impl<'a> Pulleys<'a> {
         if primary == 0.0 { 0.0 } else { secondary / primary }
     }
 
-    /// Drag of a shaft, where the contact forces on the belt have the resultant `[x, y]`, N.
+    /// Drag of a shaft under this resultant of the contact forces on the belt, N.
     fn drag(&self, pulley: Pulley, view: View<'_>, resultant: [f64; 2]) -> Drag {
         self.parameters
             .pulley(pulley)
@@ -176,7 +191,7 @@ impl<'a> Pulleys<'a> {
             .loads(self.speed(pulley, view), resultant)
     }
 
-    /// Drag torques of the shafts, N·m, where the contact forces on the belt have these resultants,
+    /// Drag torques of the shafts, N·m, under these resultants of the contact forces on the belt,
     /// N.
     pub fn drag_torques(&self, view: View<'_>, resultants: PerPulley<[f64; 2]>) -> PerPulley<f64> {
         PerPulley::from_fn(|pulley| self.drag(pulley, view, resultants[pulley]).torque)
@@ -198,7 +213,8 @@ impl<'a> Pulleys<'a> {
     ) {
         let torques = self.shaft_torques(loads, view);
         for pulley in Pulley::BOTH {
-            let ([z, ..], motion) = self.sheave_motion(pulley, view);
+            let z = self.layout().sheave(pulley);
+            let motion = self.sheave_motion(pulley, view);
             let row = self.sheave_row(pulley, boundary.sheave[pulley], motion, loads[pulley].axial);
             out[z] = row.unwrap_or(CONSTRAINT_SCALE * view.y[z]);
             self.tilt_rows(pulley, &loads[pulley], view, out);
@@ -209,35 +225,39 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Equation of motion of a sheave that is not held, under the force `axial` of the belt, N.
-    /// `motion` is its position, speed and acceleration, the speed of its shaft, and Θ.
     fn sheave_row<T: Real>(
         &self,
         pulley: Pulley,
         mode: SheaveMode,
-        [z, z_dot, z_ddot, omega, theta]: [T; 5],
+        motion: SheaveMotion<T>,
         axial: f64,
     ) -> Option<T> {
         let of = self.parameters.pulley(pulley);
         let force = match mode {
             SheaveMode::Force(force) => T::from(force),
             SheaveMode::Ratio { theta: set, force } => {
-                (-theta + set) * (CLOSING_SIGN[pulley] * RATIO_STIFFNESS) + force
+                (-motion.theta + set) * (CLOSING_SIGN[pulley] * RATIO_STIFFNESS) + force
             }
             SheaveMode::Held => return None,
         };
-        let cylinder =
-            of.cylinder.passive_force(z, omega) - of.cylinder.drag(z_dot, self.parameters.friction.velocity);
-        let stop = self.travel(pulley).stop_force(z, z_dot).force;
-        Some(z_ddot * of.sheave_mass + z_dot * of.sheave_damping - (force + cylinder) + axial - stop)
+        let cylinder = of.cylinder.passive_force(motion.z, motion.omega)
+            - of.cylinder.drag(motion.z_dot, self.parameters.friction.velocity);
+        let stop = self.travel(pulley).stop_force(motion.z, motion.z_dot).force;
+        Some(
+            motion.z_ddot * of.sheave_mass + motion.z_dot * of.sheave_damping - (force + cylinder) + axial
+                - stop,
+        )
     }
 
-    /// Unknowns that the row of a sheave has beside the belt's loads, and the arguments of
-    /// [`sheave_row`](Self::sheave_row).
-    fn sheave_motion(&self, pulley: Pulley, view: View<'_>) -> ([usize; 3], [f64; 5]) {
-        let layout = self.layout();
-        let [z, omega, theta] = [layout.sheave(pulley), layout.shaft_speed(pulley), layout.theta()];
-        let motion = [view.q[z], view.y[z], view.y_dot[z], view.y[omega], view.q[theta]];
-        ([z, omega, theta], motion)
+    fn sheave_motion(&self, pulley: Pulley, view: View<'_>) -> SheaveMotion<f64> {
+        let z = self.layout().sheave(pulley);
+        SheaveMotion {
+            z: view.q[z],
+            z_dot: view.y[z],
+            z_ddot: view.y_dot[z],
+            omega: self.speed(pulley, view),
+            theta: view.q[self.layout().theta()],
+        }
     }
 
     /// Law of the tilt of a pulley's sheaves.
@@ -249,7 +269,7 @@ impl<'a> Pulleys<'a> {
 
     fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
         let law = self.tilt_law(pulley);
-        let [psi, rate] = self.tilt(pulley, view);
+        let TiltMotion { psi, rate } = self.tilt(pulley, view);
         let moment = law.moment(psi, rate);
         for axis in 0..2 {
             let i = self.layout().tilt(pulley, axis);
@@ -279,12 +299,13 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Adds the derivatives of the pulleys' rows, with the factors α of ẏ and β of q. `out` already
-    /// has the derivatives of the belt's loads; those of the resultants of its contact forces are
-    /// beside the loads.
+    /// has the derivatives of the belt's loads, and `resultants` those of the resultants of its
+    /// contact forces.
     pub(crate) fn jacobian(
         &self,
         boundary: &Boundary,
-        (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantDerivatives),
+        loads: &PerPulley<PulleyLoad>,
+        resultants: &ResultantDerivatives,
         view: View<'_>,
         factors: Factors,
         out: &mut Arrow,
@@ -292,7 +313,7 @@ impl<'a> Pulleys<'a> {
         for pulley in Pulley::BOTH {
             self.sheave_jacobian(pulley, boundary.sheave[pulley], view, factors, out);
             self.tilt_jacobian(pulley, view, factors.alpha, out);
-            self.add_drag_jacobian(pulley, (loads, resultants), view, out);
+            self.add_drag_jacobian(pulley, loads, resultants, view, out);
         }
         if let ShaftMode::Balanced { primary, .. } = boundary.shaft.secondary {
             let torque = primary + self.shaft_torques(loads, view).primary;
@@ -310,24 +331,28 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Tilt of a pulley's sheaves, rad, and its rate, rad/s.
-    fn tilt(&self, pulley: Pulley, view: View<'_>) -> [[f64; 2]; 2] {
-        let at = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
-        [at.map(|i| view.y[i]), at.map(|i| view.y_dot[i])]
+    fn tilt(&self, pulley: Pulley, view: View<'_>) -> TiltMotion {
+        let unknowns = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
+        TiltMotion {
+            psi: unknowns.map(|i| view.y[i]),
+            rate: unknowns.map(|i| view.y_dot[i]),
+        }
     }
 
     fn tilt_jacobian(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
         let law = self.tilt_law(pulley);
-        let at = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
+        let unknowns = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
         if law.is_rigid() {
-            at.into_iter().for_each(|i| out.set_unit_row(i, CONSTRAINT_SCALE));
+            unknowns.iter().for_each(|&i| out.set_unit_row(i, CONSTRAINT_SCALE));
             return;
         }
-        let [psi, rate] = self.tilt(pulley, view);
-        let seeded =
-            |of: [f64; 2], slope| std::array::from_fn(|axis| Tangent::<2, f64>::seed(of[axis], axis, slope));
-        for (row, moment) in at.into_iter().zip(law.moment(seeded(psi, 1.0), seeded(rate, alpha))) {
-            for (column, slope) in at.into_iter().zip(moment.eps) {
+        let TiltMotion { psi, rate } = self.tilt(pulley, view);
+        let seeded = |tilt: [f64; 2], slope| {
+            std::array::from_fn(|axis| Tangent::<2, f64>::seed(tilt[axis], axis, slope))
+        };
+        let moments = law.moment(seeded(psi, 1.0), seeded(rate, alpha));
+        for (row, moment) in unknowns.into_iter().zip(moments) {
+            for (column, slope) in unknowns.into_iter().zip(moment.eps) {
                 out.add(row, column, slope);
             }
         }
@@ -337,7 +362,8 @@ impl<'a> Pulleys<'a> {
     fn add_drag_jacobian(
         &self,
         pulley: Pulley,
-        (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantDerivatives),
+        loads: &PerPulley<PulleyLoad>,
+        resultants: &ResultantDerivatives,
         view: View<'_>,
         out: &mut Arrow,
     ) {
@@ -357,11 +383,19 @@ impl<'a> Pulleys<'a> {
         Factors { alpha, beta }: Factors,
         out: &mut Arrow,
     ) {
-        let (unknowns, motion) = self.sheave_motion(pulley, view);
-        let slopes = [(0, beta), (0, 1.0), (0, alpha), (1, 1.0), (2, beta)];
-        let seeded = |k: usize| Tangent::<3, f64>::seed(motion[k], slopes[k].0, slopes[k].1);
-        let [z, ..] = unknowns;
-        match self.sheave_row(pulley, mode, std::array::from_fn(seeded), 0.0) {
+        let motion = self.sheave_motion(pulley, view);
+        let layout = self.layout();
+        let z = layout.sheave(pulley);
+        let unknowns = [z, layout.shaft_speed(pulley), layout.theta()];
+        let seed = Tangent::<3, f64>::seed;
+        let seeded = SheaveMotion {
+            z: seed(motion.z, 0, beta),
+            z_dot: seed(motion.z_dot, 0, 1.0),
+            z_ddot: seed(motion.z_ddot, 0, alpha),
+            omega: seed(motion.omega, 1, 1.0),
+            theta: seed(motion.theta, 2, beta),
+        };
+        match self.sheave_row(pulley, mode, seeded, 0.0) {
             Some(row) => unknowns
                 .into_iter()
                 .zip(row.eps)
@@ -382,8 +416,7 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Losses of the pulleys: sheave damper, tilt relaxation, end stops, W. Drag of shafts and
-    /// seals is not in it.
+    /// Losses of sheave dampers, tilt relaxation and end stops, W.
     pub fn losses(&self, view: View<'_>) -> f64 {
         let mut loss = 0.0;
         for pulley in Pulley::BOTH {
@@ -391,7 +424,7 @@ impl<'a> Pulleys<'a> {
             let rate = view.y[self.layout().sheave(pulley)];
             loss += of.sheave_damping * rate * rate - self.stop(pulley, view).viscous * rate;
             if !of.tilt.is_rigid() {
-                let [psi, rate] = self.tilt(pulley, view);
+                let TiltMotion { psi, rate } = self.tilt(pulley, view);
                 loss += 2.0 * of.tilt.loss(psi, rate);
             }
         }
@@ -399,8 +432,8 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Loss of the tilt relaxation in a step of length `h`, s, beyond the trapezoidal rule, J: a
-    /// sheave takes up its clearance within a step. The work of the moment follows from the change
-    /// of the tilt; the part that is not stored is lost.
+    /// sheave closes its clearance within a step. The loss is the work of the moment less the
+    /// change of the stored energy.
     pub fn tilt_loss_beyond_trapezoid(
         &self,
         pulley: Pulley,
@@ -413,17 +446,17 @@ impl<'a> Pulleys<'a> {
             return 0.0;
         }
         let [start, end] = [before, after].map(|view| self.tilt(pulley, view));
-        let [first, second] = [start, end].map(|[psi, rate]| law.moment(psi, rate));
+        let [first, second] = [&start, &end].map(|tilt| law.moment(tilt.psi, tilt.rate));
         let work: f64 = (0..2)
-            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end[0][axis] - start[0][axis]))
+            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end.psi[axis] - start.psi[axis]))
             .sum();
-        let lost = work - (law.energy(end[0]) - law.energy(start[0]));
-        let trapezoid = 0.5 * h * (law.loss(start[0], start[1]) + law.loss(end[0], end[1]));
+        let lost = work - (law.energy(end.psi) - law.energy(start.psi));
+        let trapezoid = 0.5 * h * (law.loss(start.psi, start.rate) + law.loss(end.psi, end.rate));
         // Both sheaves.
         2.0 * (lost - trapezoid)
     }
 
-    /// Energy of the pulleys: rotation, axial motion, tilt, end stops, springs, J.
+    /// Energy of rotation, axial motion, tilt, end stops and springs, J.
     pub fn energy(&self, view: View<'_>) -> f64 {
         let mut energy = 0.0;
         for pulley in Pulley::BOTH {
@@ -435,8 +468,7 @@ impl<'a> Pulleys<'a> {
                 + self.travel(pulley).energy(view.q[z])
                 + of.cylinder.energy(view.q[z]);
             if !of.tilt.is_rigid() {
-                let [psi, _] = self.tilt(pulley, view);
-                energy += 2.0 * of.tilt.energy(psi);
+                energy += 2.0 * of.tilt.energy(self.tilt(pulley, view).psi);
             }
         }
         energy
@@ -451,8 +483,8 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Loads from outside. `torques` are those of belt and drag on the shafts, N·m, and `axial` the
-    /// belt's forces on the sheaves, N.
+    /// Loads from outside, where `torques` are those of belt and drag on the shafts, N·m, and
+    /// `axial` the belt's forces on the sheaves, N.
     pub fn external(
         &self,
         boundary: &Boundary,

@@ -1,15 +1,13 @@
-//! A communication step in own steps: an importer can read outputs at the end of each, change inputs
-//! there or end the communication step. Left alone, it is [`Variator::advance_along`] to the last
-//! bit.
+//! A communication step in own steps: an importer can read outputs, change inputs or end the
+//! communication step at the end of each. Else it is [`Variator::advance_along`] to the last bit.
 
+use super::outcome::{Event, StepError, TimeError};
+use super::stepper::CommunicationStep;
+use super::tuning::REAL_TIME;
+use super::variator::Variator;
 use crate::pulley::Pulley;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
-use crate::variator::run::outcome::{Event, StepError, TimeError};
-use crate::variator::run::stepper::CommunicationStep;
-use crate::variator::run::tuning::REAL_TIME;
-use crate::variator::run::variator::Variator;
-use crate::variator::settings::parameters::Mode;
-use crate::variator::settings::signals::Inputs;
+use crate::variator::settings::{Inputs, Mode};
 
 /// Whole communication steps.
 impl Variator {
@@ -21,9 +19,9 @@ impl Variator {
         self.advance_along(to, inputs, &Inputs::ZERO)
     }
 
-    /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the
-    /// time derivatives `rates`. A clamping force that falls ends at zero. Less than a nanosecond
-    /// is left to the next call.
+    /// Advances to time `to` with inputs that change linearly: `inputs` now, with the time
+    /// derivatives `rates`. A clamping force that falls ends at zero. Less than a nanosecond is
+    /// left to the next call.
     ///
     /// # Errors
     /// A time before the present one or out of its range, an input out of its range, a rate that is
@@ -38,8 +36,8 @@ impl Variator {
     }
 }
 
-/// What is said when time is left out for the first time, until a time, s.
-fn left_out(time: f64) -> String {
+/// Warning when a run first leaves out time, at a time, s.
+fn skipped_warning(time: f64) -> String {
     format!(
         "at {time} s the run is {} s behind the clock, and what is beyond is left out: speeds and ratio lack the effect of the loads over \
          that time, which solver.skipped adds up; a larger solver.effort, ring.model = ALE0 or smoother inputs avoid it",
@@ -72,12 +70,15 @@ impl CommunicationStep {
     }
 
     /// Whether its end is reached.
+    #[must_use]
     pub fn is_over(&self) -> bool {
         self.is_over
     }
 
-    /// One own step of a communication step that is not over. After an error the variator is in the
-    /// state of before.
+    /// One own step of a communication step that is not over.
+    ///
+    /// # Errors
+    /// A step that can't be done. The variator is then in the state of before.
     pub fn advance(&mut self, variator: &mut Variator) -> Result<(), StepError> {
         variator.stale = true;
         let outcome = variator.stepper.step(&mut variator.simulation, self);
@@ -87,14 +88,17 @@ impl CommunicationStep {
         outcome
     }
 
-    /// Abandons it: the variator is in the state of before, and its work remains counted.
+    /// Abandons it: the variator is in the state of before, the work remains counted.
     pub fn discard(&self, variator: &mut Variator) {
         variator.roll_back();
         self.count_work(variator);
     }
 
-    /// Changes inputs of a communication step that is not over: those that differ from what was
-    /// given before count at once. None if one is out of its range.
+    /// Changes inputs of a communication step that is not over: those that differ from the ones
+    /// given before count at once.
+    ///
+    /// # Errors
+    /// An input out of its range; nothing was changed.
     pub fn set_inputs(&mut self, inputs: &Inputs) -> Result<(), StepError> {
         if *inputs == self.given {
             return Ok(());
@@ -106,8 +110,8 @@ impl CommunicationStep {
         Ok(())
     }
 
-    /// Moves its end to a time, s, or to where it is if that is past. It never becomes longer, nor
-    /// does it change where that is not a number.
+    /// Moves its end to a time, s, or to the present one if that is past. It never becomes longer;
+    /// a time that is not a number changes nothing.
     pub fn end_at(&mut self, variator: &Variator, time: f64) {
         if time.is_nan() || time >= self.to {
             return;
@@ -118,7 +122,8 @@ impl CommunicationStep {
         self.is_over |= self.to - now < SHORTEST_STEP;
     }
 
-    /// What has happened since it began, the first of what there is.
+    /// The first event since it began, if there is one.
+    #[must_use]
     pub fn event(&self, variator: &Variator) -> Option<Event> {
         let slips = variator.simulation.slips(variator.macro_slip);
         if slips != variator.macro_slip {
@@ -127,7 +132,7 @@ impl CommunicationStep {
         let now = variator.simulation.stops();
         let reached = Pulley::BOTH.map(|pulley| (pulley, now[pulley], self.stops[pulley]));
         let mut reached = reached.into_iter().filter(|(_, now, before)| now != before);
-        reached.find_map(|(pulley, now, _)| Some(Event::Reaches(pulley, now?)))
+        reached.find_map(|(pulley, now, _)| Some(Event::Reaches { pulley, stop: now? }))
     }
 
     /// Ends it at the time that it has reached.
@@ -143,7 +148,7 @@ impl CommunicationStep {
         }
         let before = std::mem::replace(&mut variator.work, stepper.output(simulation.time));
         if before.skipped == 0.0 && variator.work.skipped > 0.0 {
-            simulation.log(true, left_out(simulation.time));
+            simulation.log(true, skipped_warning(simulation.time));
         }
         self.count_work(variator);
         variator.report_slip();
@@ -151,7 +156,7 @@ impl CommunicationStep {
         variator.stale = true;
     }
 
-    /// Counts its work so far, and warns where that is too much. In real time it is bounded.
+    /// Counts its work, and warns of too much of it. In real time it is bounded.
     fn count_work(&self, variator: &mut Variator) {
         if variator.parameters().solver.mode == Mode::RealTime {
             return;

@@ -1,11 +1,11 @@
-//! What a run reports beside messages: errors, events, outputs around a moment.
+//! Errors, events and outputs around a moment.
 
 use crate::pulley::Pulley;
 use crate::variator::pulleys::loads::SHORTEST_STEP;
 use crate::variator::pulleys::rows::Stop;
-use crate::variator::settings::ParameterError;
+use crate::variator::settings::{Outputs, ParameterError};
 
-/// A time to which a run can't go.
+/// A time out of the range of a run.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the time {to} s is out of range: {} to {:.3e} s, above which there is no room for steps of a nanosecond",
@@ -25,7 +25,7 @@ impl TimeError {
         SHORTEST_STEP / f64::EPSILON
     }
 
-    /// Checks a time to which a run goes, s: not before the present one but for rounding.
+    /// Checks the next time of a run, s: not before the present one, except by rounding.
     pub(super) fn check(from: Option<f64>, to: f64) -> Result<(), Self> {
         let is_ahead = from.is_none_or(|from| to > from - SHORTEST_STEP);
         if is_ahead && to.abs() <= Self::latest() {
@@ -50,8 +50,7 @@ pub enum InitialisationError {
     NoState(String),
 }
 
-/// Why a communication step could not be done. The variator is in the state of before: a shorter
-/// step, or one with other inputs, may be possible.
+/// Why a communication step could not be done. The variator is in the state of before.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// An input is out of its range; nothing was changed.
@@ -70,7 +69,7 @@ pub enum StepError {
         /// Cause, as the solver reports it.
         reason: String,
     },
-    /// The step took more work than any load within a belt's capacity does.
+    /// The step took more work than under any load within a belt's capacity.
     #[error(
         "the step from {from} s to {to} s was given up at {reached} s after {residuals} residuals: the loads are far beyond what \
          the belt transmits, or the step is too long for them"
@@ -87,7 +86,18 @@ pub enum StepError {
     },
 }
 
-/// What an importer may want to handle when it happens.
+/// Outputs a moment before and a moment after the present, for time derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moment {
+    /// Outputs before.
+    pub before: Box<Outputs>,
+    /// Outputs after.
+    pub after: Box<Outputs>,
+    /// Time between them, s.
+    pub span: f64,
+}
+
+/// An event in a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The belt begins to slip through.
@@ -95,21 +105,26 @@ pub enum Event {
     /// The belt grips again.
     Grips,
     /// A movable sheave reaches an end stop.
-    Reaches(Pulley, Stop),
+    Reaches {
+        /// The pulley of the sheave.
+        pulley: Pulley,
+        /// The stop.
+        stop: Stop,
+    },
 }
 
 impl Event {
-    /// The belt slips through from now on, or grips.
     pub(super) fn of_slip(slips: bool) -> Self {
         if slips { Self::Slips } else { Self::Grips }
     }
 
     /// The event in words.
+    #[must_use]
     pub fn text(self) -> String {
         match self {
             Self::Slips => "the belt begins to slip through (macro-slip)".into(),
             Self::Grips => "the belt grips again".into(),
-            Self::Reaches(pulley, stop) => {
+            Self::Reaches { pulley, stop } => {
                 format!("the {} sheave reaches its {} stop", pulley.name(), stop.name())
             }
         }

@@ -1,31 +1,32 @@
-//! What a run warns of by itself: parameters, loads and speeds that can hardly be meant, each once
-//! in a run, slip at its start, strands that would buckle.
+//! Warnings: parameters, loads and speeds that can hardly be intended, each once in a run, slip at
+//! its start, strands that would buckle.
 
+use super::simulation::Simulation;
+use super::tuning::{BALANCED, FASTEST, LASTING, REPEATED};
 use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ratio_of_theta;
-use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{BALANCED, BRIEF, FASTEST};
-use crate::variator::settings::capacity::{TorqueDemand, clamped, given_speed, short};
-use crate::variator::settings::parameters::Drive;
+use crate::variator::settings::Drive;
+use crate::variator::settings::capacity::{GivenSpeed, TorqueDemand, clamped, given_speed, short};
+use crate::variator::settings::validation::Steel;
 use crate::variator::steady::solve::geometric_ratio;
 use std::f64::consts::PI;
 
-/// What was said.
+/// Warnings that were given.
 #[derive(Clone, Debug)]
 pub(super) struct PlausibilityWarnings {
     fast: bool,
     unit: bool,
     opens: bool,
-    /// Of pressures without effect. A start asks for them first: for want of them it may fail.
+    /// Those of pressures without effect, which a start gives first: it may fail because of them.
     pub idle: PerPulley<bool>,
-    /// Time since which a load has seemed to be in another unit, s; ∞ if none does.
+    /// Since when a load has seemed to be in another unit, s; ∞ if none does.
     doubtful_since: f64,
     /// Last time at which a strand was in net compression, s; −∞ before.
     buckled: f64,
 }
 
-/// What is found, unless it was said before.
+/// A warning, unless it was given before.
 fn once(said: &mut bool, find: impl FnOnce() -> Option<String>) -> Option<String> {
     let found = if *said { None } else { find() };
     *said |= found.is_some();
@@ -46,7 +47,11 @@ impl PlausibilityWarnings {
     };
 
     /// Warnings for the present state that were not given before. `starts`: the run starts from it.
-    pub fn new_at(&mut self, simulation: &Simulation, starts: bool) -> impl Iterator<Item = String> + use<> {
+    pub fn new_warnings(
+        &mut self,
+        simulation: &Simulation,
+        starts: bool,
+    ) -> impl Iterator<Item = String> + use<> {
         let at_start = |find: fn(&Simulation) -> Option<String>| if starts { find(simulation) } else { None };
         [
             at_start(other_layers),
@@ -66,7 +71,6 @@ impl PlausibilityWarnings {
         .flatten()
     }
 
-    /// Writes to an archive, or reads from it.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         let of_all = [&mut self.fast, &mut self.unit, &mut self.opens];
         of_all
@@ -81,7 +85,7 @@ impl PlausibilityWarnings {
 
 /// Stiffness and mass of a ring with other layers.
 fn other_layers(simulation: &Simulation) -> Option<String> {
-    let (modulus, density) = simulation.system.parameters.steel_of_other_layers()?;
+    let Steel { modulus, density } = simulation.system.parameters.steel_of_other_layers()?;
     Some(format!(
         "ring.axialStiffness, ring.bendingStiffness and ring.massPerLength do not follow from ring.layers, ring.layerThickness and \
          ring.layerWidth: steel of {:.0} GPa and {density:.0} kg/m3; set them together",
@@ -104,7 +108,7 @@ fn slipping(simulation: &Simulation) -> Option<String> {
     })
 }
 
-/// A strand whose net force is compression, which was so `last`, s.
+/// A strand under net compression, as at the time `last`, s.
 fn buckling(simulation: &Simulation, last: &mut f64) -> Option<String> {
     let (time, force) = (simulation.time, simulation.energy.last.sums.strand_force);
     if force >= 0.0 {
@@ -115,28 +119,28 @@ fn buckling(simulation: &Simulation, last: &mut f64) -> Option<String> {
     } else {
         "push strand would buckle"
     };
-    let is_new = time - std::mem::replace(last, time) > BRIEF;
+    let is_new = time - std::mem::replace(last, time) > REPEATED;
     is_new.then(|| {
         format!(
-            "at {time} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {BRIEF} s without)"
+            "at {time} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {REPEATED} s without)"
         )
     })
 }
 
-/// A force or torque that has seemed to be in another unit for some time: `since` when, s.
+/// A force or torque that has seemed to be in another unit for some time, from `since` on, s.
 fn wrong_unit(simulation: &Simulation, since: &mut f64) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let found = clamped(parameters).find_map(|pulley| {
         let (belt, view) = (&simulation.system.belt, simulation.state.view());
-        let at = [ratio_of_theta(belt.theta(view)), belt.shaft_speeds(view).primary];
-        TorqueDemand::new(parameters, &inputs, pulley, at).filter(TorqueDemand::seems_another_unit)
+        let (ratio, speed) = (ratio_of_theta(belt.theta(view)), belt.shaft_speeds(view).primary);
+        TorqueDemand::new(parameters, &inputs, pulley, ratio, speed).filter(TorqueDemand::seems_another_unit)
     });
     *since = if found.is_some() {
         since.min(simulation.time)
     } else {
         f64::INFINITY
     };
-    let lasting = found.filter(|_| simulation.time - *since >= BRIEF);
+    let lasting = found.filter(|_| simulation.time - *since >= LASTING);
     lasting.map(|demand| format!("at {} s: {demand}", simulation.time))
 }
 
@@ -150,7 +154,7 @@ fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let led = parameters.primary.drive == Drive::Speed || parameters.secondary.drive == Drive::Speed;
     let cause = if led || starts {
-        let (name, value) = given_speed(parameters, &inputs);
+        let GivenSpeed { name, value } = given_speed(parameters, &inputs);
         format!("is {name} in rpm? {value} rpm are {} rad/s", short(value * PI / 30.0))
     } else {
         format!(

@@ -1,20 +1,22 @@
 //! Real time: the accurate integrator with a bound on the work of each millisecond ([`REAL_TIME`]),
 //! in short steps of one length.
 //!
-//! A step for which the work does not last stays open and continues in the next millisecond: the
-//! run is then behind the clock, and its inputs wait. Work that is not needed makes up for it
-//! later. A step that has no solution is begun again with half the length.
+//! A step that takes more than the remaining work stays open and continues in the next millisecond:
+//! the run is then behind the clock, and its inputs wait. Unused work makes up for it later. A step
+//! without a solution is begun again with half the length.
 
+use super::simulation::Simulation;
+use super::tuning::REAL_TIME;
 use crate::archive::Archive;
 use crate::solver::newton::{Unsolved, WorkBound};
 use crate::solver::sdirk::Sdirk;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
-use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::REAL_TIME;
-use crate::variator::settings::signals::Inputs;
+use crate::variator::settings::Inputs;
 
 /// The millisecond of the clock, s, whose work is bounded.
 const MILLISECOND: f64 = 1.0e-3;
+/// Part of a step by which a number of steps may exceed a whole one: rounding.
+const ROUNDING: f64 = 1.0e-9;
 
 /// A run in real time.
 #[derive(Clone, Debug)]
@@ -25,7 +27,8 @@ pub(super) struct RealTime {
     pub skipped: f64,
     /// Inputs from the state, or the end of the open step, to the clock.
     waiting: InputProfile,
-    /// Length of steps as a fraction of its longest, and that of the open step, s, if one is.
+    /// Length of steps as a fraction of the longest, and length of the open step, s, if there is
+    /// one.
     fraction: f64,
     open: Option<f64>,
     /// Inputs of the present step.
@@ -33,13 +36,14 @@ pub(super) struct RealTime {
 }
 
 impl RealTime {
-    /// A run that begins with the state and at the time of a simulation, in steps by `sdirk`.
+    /// A run from the state and time of a simulation, in steps by `sdirk`.
     pub fn new(simulation: &Simulation, sdirk: &mut Sdirk) -> Self {
         (sdirk.step, sdirk.newton_widening) = (REAL_TIME.step, 0.0);
         sdirk.newton.bound = WorkBound {
             remaining: 0.0,
             jacobian: REAL_TIME.jacobian,
-            overdraft: REAL_TIME.spare,
+            geometry: REAL_TIME.geometry,
+            overdraft: REAL_TIME.overdraft,
             ..WorkBound::NONE
         };
         let inputs = InputProfile::constant(&simulation.inputs());
@@ -53,8 +57,8 @@ impl RealTime {
         }
     }
 
-    /// Advances the clock by a millisecond, or by a part of one of those up to a time, s, and the
-    /// state as far as the work lasts.
+    /// Advances the clock by a millisecond or less towards a time, s, and the state within the
+    /// work.
     pub fn advance(
         &mut self,
         sdirk: &mut Sdirk,
@@ -63,7 +67,7 @@ impl RealTime {
         to: f64,
     ) {
         let from = simulation.time;
-        let parts = ((to - from) / MILLISECOND - SHORTEST_STEP).ceil();
+        let parts = ((to - from) / MILLISECOND - ROUNDING).ceil();
         let clock = if parts > 1.0 {
             from + (to - from) / parts
         } else {
@@ -86,8 +90,7 @@ impl RealTime {
         while self.behind(clock) > SHORTEST_STEP && self.step(sdirk, simulation, clock) {}
         let skipped = self.behind(clock) - REAL_TIME.behind;
         if skipped > 0.0 {
-            // An open step moves in time with its inputs: it continues. Those that wait are then
-            // constant.
+            // An open step and its inputs move in time. Waiting inputs are then constant.
             self.reached += skipped;
             self.skipped += skipped;
             self.inputs.kink += skipped;
@@ -95,7 +98,7 @@ impl RealTime {
         simulation.time = clock;
     }
 
-    /// Takes or continues a step towards the clock's time, s. False if the work is used up.
+    /// Takes or continues a step towards the time `clock`, s. False if the work is used up.
     fn step(&mut self, sdirk: &mut Sdirk, simulation: &mut Simulation, clock: f64) -> bool {
         let length = self.open.unwrap_or_else(|| self.begin_step(simulation, clock));
         let (mut problem, state) = simulation.problem();
@@ -123,13 +126,11 @@ impl RealTime {
         self.open.is_none()
     }
 
-    /// Brings the inputs of the next step into force: a straight line whose mean is theirs. Returns
-    /// its length, s: steps until the clock's time are alike.
+    /// Applies the inputs of the next step: a straight line with their mean. Returns its length, s:
+    /// steps to the time `clock` are equal.
     fn begin_step(&mut self, simulation: &mut Simulation, clock: f64) -> f64 {
         let rest = self.behind(clock);
-        let count = (rest / (self.fraction * REAL_TIME.step) - SHORTEST_STEP)
-            .ceil()
-            .max(1.0);
+        let count = (rest / (self.fraction * REAL_TIME.step) - ROUNDING).ceil().max(1.0);
         let length = rest / count;
         self.inputs = line(&self.waiting, [self.reached, self.reached + length]);
         simulation.apply(self.inputs);
@@ -141,7 +142,6 @@ impl RealTime {
         clock - self.reached
     }
 
-    /// Writes to an archive, or reads from it.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.waiting.serialize(archive);
         self.inputs.serialize(archive);
@@ -152,8 +152,8 @@ impl RealTime {
     }
 }
 
-/// Inputs of one profile from `from` to `middle` and of another one until `to`, s: their mean, so
-/// no impulse is lost. The latter alone where nothing lies before it.
+/// Mean of one profile from `from` to `middle` and another one to `to`, s, which keeps the impulse;
+/// one of them where the other has no length.
 fn joined(first: &InputProfile, from: f64, middle: f64, second: &InputProfile, to: f64) -> InputProfile {
     if middle - from <= SHORTEST_STEP {
         return *second;
@@ -175,8 +175,7 @@ fn mean(profile: &InputProfile, [from, to]: [f64; 2]) -> Inputs {
     part(kink, to, part(from, kink, Inputs::ZERO))
 }
 
-/// The straight line from the inputs at one time to those at another, s, moved so that its mean is
-/// theirs.
+/// The straight line from the inputs at one time to those at another, s, shifted to their mean.
 fn line(profile: &InputProfile, [from, to]: [f64; 2]) -> InputProfile {
     let length = to - from;
     let rates = Inputs::ZERO
@@ -196,8 +195,7 @@ mod tests {
     use crate::variator::pulleys::loads::tests::torque;
     use crate::variator::settings::parameters::{Mode, Parameters};
 
-    /// A ramp to 50 N·m over a quarter of the first millisecond, and one on to -50 N·m: the impulse
-    /// of the steps is that of both.
+    /// Ramps to 50 N·m and on to -50 N·m, each in a quarter of a millisecond, have the same impulse.
     #[test]
     fn no_impulse_is_lost() {
         let ramp = |from: f64, present: f64, given: f64| {
@@ -218,8 +216,6 @@ mod tests {
         assert_eq!(joined(&first, 1e-3, 1e-3, &second, 2e-3), second);
     }
 
-    /// Far too little work for a torque that flips: time is left out, and an open step moves with
-    /// its inputs.
     #[test]
     fn an_open_step_moves_with_its_inputs() {
         let mut parameters = Parameters::default();

@@ -1,13 +1,13 @@
-//! Whether a run keeps up with the clock, judged by its work, and which input holds it up. Work is
-//! counted and not timed: what a run logs is a function of its inputs.
+//! Whether a run keeps up with the clock, by its work, and the input that prevents it. Work is
+//! counted and not timed, so messages are a function of the inputs.
 
+use super::tuning::JUDGEMENT;
 use crate::archive::Archive;
 use crate::solver::newton::Counts;
 use crate::variator::pulleys::loads::SHORTEST_STEP;
-use crate::variator::run::tuning::{JUDGED, REAL_TIME, RESIDUAL};
-use crate::variator::settings::signals::{INPUTS, Inputs};
+use crate::variator::settings::{INPUTS, Inputs};
 
-/// Simulated time, work, and how much each input moved since the last judgement.
+/// Simulated time, work, and change of each input since the last judgement.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RealTimeMonitor {
     simulated: f64,
@@ -26,23 +26,22 @@ impl RealTimeMonitor {
         }
     }
 
-    /// Counts a communication step of `simulated` seconds under the inputs `given`, with its work
-    /// on so many unknowns. Returns a remark after each second of simulation for which that was too
-    /// much.
+    /// Counts a communication step of `simulated` seconds under the inputs `given`, with its work.
+    /// Returns a remark after each second of simulation with too much work.
     pub fn count(&mut self, given: &Inputs, simulated: f64, work: Counts, unknowns: usize) -> Option<String> {
         let values = given.values().into_iter().zip(self.given.values());
-        for ((moved, (.., size)), (now, before)) in self.moved.iter_mut().zip(INPUTS).zip(values) {
-            *moved += (now - before).abs() / size;
+        for ((moved, input), (now, before)) in self.moved.iter_mut().zip(INPUTS).zip(values) {
+            *moved += (now - before).abs() / input.size;
         }
         self.given = *given;
         self.simulated += simulated;
         self.residuals += work.residuals;
         self.jacobians += work.factorizations;
-        if self.simulated < JUDGED - SHORTEST_STEP {
+        if self.simulated < JUDGEMENT.time - SHORTEST_STEP {
             return None;
         }
-        let units = self.residuals as f64 + REAL_TIME.jacobian[1] * self.jacobians as f64;
-        let computing = units * unknowns as f64 * RESIDUAL;
+        let units = self.residuals as f64 + JUDGEMENT.jacobian * self.jacobians as f64;
+        let computing = units * unknowns as f64 * JUDGEMENT.residual;
         let late = (computing > self.simulated).then(|| self.remark(computing));
         *self = Self::new(given);
         late
@@ -51,9 +50,10 @@ impl RealTimeMonitor {
     fn remark(&self, computing: f64) -> String {
         let moved = self.moved.iter().zip(INPUTS).filter(|(moved, _)| **moved > 0.0);
         let most = moved.max_by(|a, b| a.0.total_cmp(b.0));
-        let cause = most.map_or(String::new(), |(_, (name, ..))| {
+        let cause = most.map_or(String::new(), |(_, input)| {
             format!(
-                "{name} varies most: let it vary more slowly, or inputs ramp over the whole step (inputs.ramp = -1); "
+                "{} varies most: let it vary more slowly, or inputs ramp over the whole step (inputs.ramp = -1); ",
+                input.name
             )
         });
         format!(
@@ -63,7 +63,6 @@ impl RealTimeMonitor {
         )
     }
 
-    /// Writes to an archive, or reads from it.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         archive.real(&mut self.simulated);
         archive.counter(&mut self.residuals);

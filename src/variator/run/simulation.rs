@@ -1,5 +1,6 @@
-//! Equations and state of a run: what a stepper advances.
+//! Equations and state of a run.
 
+use super::tuning::SOFT_START;
 use crate::archive::Archive;
 use crate::fmi::unit::Message;
 use crate::pulley::PerPulley;
@@ -11,9 +12,7 @@ use crate::variator::diagnostics::energy_balance::{EnergyBalance, Problem};
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{InputProfile, Loads};
 use crate::variator::pulleys::rows::Stop;
-use crate::variator::run::tuning::{RAMP, RAMP_PARTS, RAMP_VELOCITY};
-use crate::variator::settings::parameters::Parameters;
-use crate::variator::settings::signals::Inputs;
+use crate::variator::settings::{Inputs, Parameters};
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 
@@ -23,23 +22,22 @@ pub(super) struct Simulation {
     pub system: VariatorSystem,
     pub energy: EnergyBalance,
     pub state: State,
-    /// s.
+    /// Present time, s.
     pub time: f64,
-    /// Time of a start without load, s; −∞ if it was none. Sharp friction on a slack belt at a
-    /// standstill makes one cell after the other stick and slide by turns: half of the Jacobians of
-    /// a launch went there. So the friction velocity is large at first and falls.
+    /// Time of a start without load, s; else −∞. Sharp friction on a slack belt at a standstill
+    /// makes the cells stick and slide in turn, which took half of the Jacobians of a launch. So
+    /// the friction velocity is large at first and falls.
     pub soft_since: f64,
-    /// Work of the search for the state to start from, and the inputs that were given for it.
+    /// Work of the search for the state to start from, and its inputs.
     pub start_work: Counts,
     pub given: Inputs,
-    /// Why the start is another one than was asked for, and what helps.
+    /// Why the start is not the requested one, and what helps.
     pub other_start: Option<String>,
-    /// Messages that were not yet taken.
     pub messages: Vec<Message>,
 }
 
 impl Simulation {
-    /// A variator with parameters that are in their ranges, with this ring, without a state.
+    /// A variator with valid parameters and this ring, without a state.
     pub fn new(parameters: &Parameters, ring: Arc<dyn BeltRing>) -> Self {
         let system = VariatorSystem::with_ring(parameters, ring);
         Self {
@@ -59,7 +57,6 @@ impl Simulation {
         self.messages.push(Message { warning, text });
     }
 
-    /// Writes to an archive, or reads from it, all values that change in a run.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.state.serialize(archive);
         self.system.serialize(archive);
@@ -69,7 +66,6 @@ impl Simulation {
         self.start_work.serialize(archive);
     }
 
-    /// Equations and state for the solver.
     pub fn problem(&mut self) -> (Problem<'_>, &mut State) {
         let problem = Problem {
             system: &mut self.system,
@@ -78,28 +74,29 @@ impl Simulation {
         (problem, &mut self.state)
     }
 
-    /// Time for which friction is held from now on, s.
+    /// Time in which the friction velocity is constant from now on, s.
     pub fn friction_lasts(&self) -> f64 {
-        if self.time - self.soft_since < RAMP {
-            RAMP / RAMP_PARTS
+        if self.time - self.soft_since < SOFT_START.duration {
+            SOFT_START.duration / SOFT_START.parts
         } else {
             f64::INFINITY
         }
     }
 
-    /// Brings the friction velocity of the present time into force: in a ramp, that of the middle
-    /// of the part that begins.
+    /// Sets the friction velocity of the present time: in a soft start, that of the middle of the
+    /// part that begins.
     fn regularise(&mut self) {
         let own = self.system.parameters.friction.velocity;
-        let rest = 1.0 - (self.time - self.soft_since + 0.5 * self.friction_lasts()) / RAMP;
+        let middle = self.time - self.soft_since + 0.5 * self.friction_lasts();
+        let rest = 1.0 - middle / SOFT_START.duration;
         let velocity = if rest > 0.0 {
-            own * (own.max(RAMP_VELOCITY) / own).powf(rest)
+            own * (own.max(SOFT_START.velocity) / own).powf(rest)
         } else {
             own
         };
         if self.system.friction_velocity != velocity {
             self.system.friction_velocity = velocity;
-            // All kept derivatives are of the same law, so a stored state holds one law only.
+            // All kept derivatives are of one law, which a stored state holds.
             self.system.forget_derivatives();
         }
     }
@@ -111,16 +108,14 @@ impl Simulation {
         self.system.forget_derivatives();
     }
 
-    /// Brings inputs into force, with the friction of the present time. The rates jump with the
-    /// loads.
+    /// Applies inputs, with the friction of the present time. The rates jump with the loads.
     pub fn apply(&mut self, inputs: InputProfile) {
         self.regularise();
         let loads = Loads::Inputs(inputs);
         self.system.change_loads(loads, self.time, &mut self.state.y_dot);
     }
 
-    /// The same where they were in force before at this state, or for outputs alone: the rates
-    /// stay.
+    /// The same without a jump of the rates, for outputs or where they acted before in this state.
     pub fn restore(&mut self, inputs: InputProfile) {
         self.regularise();
         self.system.loads = Loads::Inputs(inputs);
@@ -131,17 +126,15 @@ impl Simulation {
         BeltDiagnostics::new(&self.system, self.state.view()).sums
     }
 
-    /// Inputs at the present time.
     pub fn inputs(&self) -> Inputs {
         self.system.loads.inputs(self.time)
     }
 
-    /// Whether the belt slips through, where it `slipped` before or not.
+    /// Whether the belt slips through; `slipped`: it did before.
     pub fn slips(&self, slipped: bool) -> bool {
         macro_slip(&self.system, self.state.view(), &self.energy.last.sums, slipped)
     }
 
-    /// End stops that the sheaves are at.
     pub fn stops(&self) -> PerPulley<Option<Stop>> {
         PerPulley::from_fn(|pulley| self.system.pulleys().stop_reached(pulley, self.state.view()))
     }

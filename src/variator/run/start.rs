@@ -1,28 +1,32 @@
-//! The state that a run starts from: unloaded or steady as the parameters choose, else the nearest
-//! that exists.
+//! The state that a run starts from: unloaded or steady by the parameters, else the nearest.
 
+use super::outcome::{InitialisationError, StepError};
+use super::simulation::Simulation;
+use super::steady_start::NoSteadyState;
+use super::stepper::Stepper;
+use super::tuning::{
+    COLD_STEP, CREEP_SPEED, CREEP_VELOCITY, SETTLING, SETTLING_TOLERANCE, SOFT_START, STANDSTILL,
+};
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::variator::belt::ring::StartsOn;
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::pulleys::loads::InputProfile;
-use crate::variator::run::outcome::{InitialisationError, StepError};
-use crate::variator::run::simulation::Simulation;
-use crate::variator::run::steady_start::NoSteadyState;
-use crate::variator::run::stepper::Stepper;
-use crate::variator::run::tuning::{
-    COLD_STEP, CREEP_SPEED, CREEP_VELOCITY, RAMP, RAMP_PARTS, SETTLING, SETTLING_TOLERANCE, STANDSTILL,
-};
-use crate::variator::settings::capacity::{given_speed, short};
-use crate::variator::settings::parameters::{Axial, Drive, Mode};
-use crate::variator::settings::signals::{Inputs, StartState};
+use crate::variator::settings::capacity::{GivenSpeed, given_speed, short};
+use crate::variator::settings::{Axial, Drive, Inputs, Mode, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
 
+/// Why a start is not the requested one, what it is instead, and what helps.
+pub(super) struct OtherStart<'a> {
+    pub why: &'a str,
+    pub instead: &'a str,
+    pub helps: &'a str,
+}
+
 impl Simulation {
-    /// Finds the state to start from at `time`, with sheaves at rest: steady or unloaded as the
-    /// parameters choose, else the nearest that exists, with a warning that gives it and the
-    /// reason. Returns what it is.
+    /// Finds the state to start from at `time`, with sheaves at rest; instead of the requested one
+    /// perhaps the nearest, with a warning that names it and the reason.
     pub fn find_start(&mut self, time: f64, inputs: &Inputs) -> Result<StartState, InitialisationError> {
         (self.start_work, self.time, self.given) = (Counts::default(), time, *inputs);
         self.other_start = None;
@@ -37,13 +41,13 @@ impl Simulation {
         }
         self.warn_of_held_sheaves(found);
         if self.system.parameters.solver.mode == Mode::RealTime && self.soft_since == time {
-            // A ring without tension is a mechanism, too rough for steps of bounded work.
-            if let Err(why) = self.clamp(RAMP) {
+            // A ring without tension is a mechanism, which takes too much work for real time.
+            if let Err(why) = self.clamp(SOFT_START.duration) {
                 self.log(true, format!("the belt was not clamped before the start: {why}"));
             }
         }
-        // A belt that was clamped moves them by a tenth of a millimetre a second, and flows that
-        // depend on no input close no loop.
+        // After clamping they move by a tenth of a millimetre a second. Flows that depend on no
+        // input close no loop.
         for pulley in Pulley::BOTH {
             self.state.y[self.system.belt.layout.sheave(pulley)] = 0.0;
         }
@@ -51,19 +55,19 @@ impl Simulation {
     }
 
     /// The kinematic state to start from. An initial ratio beyond an end stop is moved to the stop,
-    /// and a set point of a shaft's speed comes before `initial.primarySpeed`.
+    /// and a set point of a shaft replaces `initial.primarySpeed`.
     fn start_point(&mut self) -> Start {
         let (parameters, inputs) = (&mut self.system.parameters, &self.given);
         let (given_ratio, given_speed) = (parameters.initial.ratio, parameters.initial.primary_speed);
-        let (lowest, highest) = parameters.ratio_range();
-        let ratio = given_ratio.clamp(lowest, highest);
+        let range = parameters.ratio_range();
+        let ratio = given_ratio.clamp(*range.start(), *range.end());
         parameters.initial.ratio = ratio;
         let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
             (Drive::Speed, _) => inputs.primary.speed_setpoint,
             (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * ratio,
             (Drive::Torque, Drive::Torque) => given_speed,
         };
-        let clamping = parameters.total_clamping_forces(inputs, [ratio, primary_speed]);
+        let clamping = parameters.total_clamping_forces(inputs, ratio, primary_speed);
         if ratio != given_ratio {
             let text = format!(
                 "initial.ratio = {given_ratio} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
@@ -119,22 +123,24 @@ impl Simulation {
             NoSteadyState::Hopeless(_) => Err(InitialisationError::NoState(why.to_string())),
             NoSteadyState::NotFound(why) => {
                 self.start_unloaded(start)?;
-                let instead = format!("the belt without load, and friction sharpens over {RAMP} s");
-                let helps = "larger clamping forces, another initial.ratio, or forces that come in after a start with initial.steady = false";
-                Ok(self.start_from(StartState::NotFound, &why, &instead, helps))
+                let duration = SOFT_START.duration;
+                let other = OtherStart {
+                    why: &why,
+                    instead: &format!("the belt without load, and friction sharpens over {duration} s"),
+                    helps: "larger clamping forces, another initial.ratio, or forces that come in after a start with initial.steady = false",
+                };
+                Ok(self.start_from(StartState::NotFound, &other))
             }
         })
     }
 
-    /// Notes why the start is not the one that was asked for, what it is `instead`, and what
-    /// `helps`.
-    pub fn start_from(&mut self, found: StartState, why: &str, instead: &str, helps: &str) -> StartState {
+    /// Notes another start than the requested one, with its reason.
+    pub fn start_from(&mut self, found: StartState, other: &OtherStart<'_>) -> StartState {
         let (of, inputs) = (&self.system.parameters, &self.given);
         let ratio = of.initial.ratio;
-        let (name, speed) = given_speed(of, inputs);
-        let clamping = of
-            .total_clamping_forces(inputs, [ratio, self.primary_speed()])
-            .map(short);
+        let GivenSpeed { name, value: speed } = given_speed(of, inputs);
+        let clamping = of.total_clamping_forces(inputs, ratio, self.primary_speed()).map(short);
+        let OtherStart { why, instead, helps } = other;
         let [first, second] = [inputs.primary.torque, inputs.secondary.torque];
         self.other_start = Some(format!(
             "{why}; asked for: ratio {ratio}, {name} = {speed} rad/s, torques {first} and {second} N·m and clamping forces {} and {} N \
@@ -144,7 +150,7 @@ impl Simulation {
         found
     }
 
-    /// Starts at a standstill: as a belt that crept, or else clamped from the unloaded state.
+    /// Starts at a standstill: as a belt that crept, else clamped from the unloaded state.
     fn start_at_rest(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         if let Some(found) = self.stop_creeping(start)? {
             return Ok(found);
@@ -157,13 +163,16 @@ impl Simulation {
             return Ok(StartState::Clamped);
         };
         self.start_unloaded(start)?;
-        let why = format!("the belt was not clamped at a standstill: {why}");
-        let helps = "other clamping forces, or a start with initial.steady = false";
-        Ok(self.start_from(StartState::NotFound, &why, "the belt without load", helps))
+        let other = OtherStart {
+            why: &format!("the belt was not clamped at a standstill: {why}"),
+            instead: "the belt without load",
+            helps: "other clamping forces, or a start with initial.steady = false",
+        };
+        Ok(self.start_from(StartState::NotFound, &other))
     }
 
-    /// Whether a start at a standstill may be that of a belt that crept: both pulleys stand still
-    /// under clamping forces, and a sheave is held or the torques drive the belt.
+    /// Whether a belt at a standstill may have crept: both pulleys stand still under clamping
+    /// forces, and a sheave is held or the torques drive the belt.
     fn may_creep(&self, start: &Start) -> bool {
         let (p, inputs) = (&self.system.parameters, self.given);
         let stands =
@@ -174,10 +183,11 @@ impl Simulation {
         stands && self.is_clamped() && (p.holds_a_sheave() || driven)
     }
 
-    /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction leaves
-    /// the forces of a belt at rest open, so they are those of the motion before. None where a belt
-    /// may not creep, none with a warning where there is no such state, and none where both sheaves
-    /// are under force and friction holds the torques: a belt that crept would roll back.
+    /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction does
+    /// not determine the forces of a belt at rest, so they are those of the motion before. Returns
+    /// none where the belt may not creep; with a warning, where there is no such state; and where
+    /// both sheaves are under force and friction holds the torques: a belt that crept would roll
+    /// back.
     fn stop_creeping(&mut self, start: &Start) -> Result<Option<StartState>, InitialisationError> {
         if !self.may_creep(start) {
             return Ok(None);
@@ -231,7 +241,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Starts unloaded; friction comes in softly.
+    /// Starts unloaded; the friction velocity falls from a larger one.
     fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
         let clamping = PerPulley::default();
         self.start_cold(&Start { clamping, ..*start })?;
@@ -239,15 +249,15 @@ impl Simulation {
         Ok(())
     }
 
-    /// Starts unloaded. At a standstill the belt has come to hang: from the kinematic state, whose
-    /// elements all touch, the film between them makes the first millisecond of a run take as many
-    /// steps as seconds do.
+    /// Starts unloaded. At a standstill the belt is relaxed before: in the kinematic state all
+    /// elements touch, and with the film between them the first millisecond of a run would take as
+    /// many steps as seconds do.
     fn start_slack(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.start_unloaded(start)?;
         if start.primary_speed.abs() <= STANDSTILL {
-            let hangs = self.relax(RAMP, &Inputs::ZERO, |_| ());
+            let relaxed = self.relax(SOFT_START.duration, &Inputs::ZERO, |_| ());
             self.soft_since = self.time;
-            if hangs.is_err() {
+            if relaxed.is_err() {
                 self.start_unloaded(start)?;
             }
         }
@@ -274,8 +284,8 @@ impl Simulation {
         Ok(found)
     }
 
-    /// Clamps an unloaded belt in the `span` before the start, s, without torques, which come with
-    /// the run. After an error it is clamped in part.
+    /// Clamps an unloaded belt in the `span` before the start, s, without torques. After an error
+    /// it is clamped in part.
     fn clamp(&mut self, span: f64) -> Result<(), StepError> {
         let mut quiet = self.given;
         (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
@@ -285,7 +295,7 @@ impl Simulation {
     /// Whether each sheave is held or closed by a force at the initial ratio.
     fn is_clamped(&self) -> bool {
         let parameters = &self.system.parameters;
-        let clamping = parameters.total_clamping_forces(&self.given, [parameters.initial.ratio, 0.0]);
+        let clamping = parameters.total_clamping_forces(&self.given, parameters.initial.ratio, 0.0);
         let held = |pulley: Pulley| parameters.pulley(pulley).axial == Axial::Held;
         Pulley::BOTH
             .into_iter()
@@ -293,31 +303,32 @@ impl Simulation {
     }
 
     /// Stops belt and shafts where they are, and holds the shafts while the clamping forces act.
-    /// Places and the distribution of the elements remain, and so do ring tension and push force.
-    /// Friction depends on the sliding speed: it returns within microseconds. Where both sheaves
-    /// are under force, the clamping force replaces the one that held the ratio. Between held
-    /// sheaves the belt loses tension, 6 % in 10 ms, so it stands for a part of the ramp only.
+    /// Positions, the distribution of the elements, ring tension and push force remain. Friction
+    /// depends on the sliding speed: it returns within microseconds. Where both sheaves are under
+    /// force, the clamping force replaces the one that held the ratio. Between held sheaves the
+    /// belt loses tension, 6 % in 10 ms, so it stands for a part of the soft start only.
     fn bring_to_rest(&mut self) -> Result<(), StepError> {
         let belt = &self.system.belt;
         let shafts = Pulley::BOTH.map(|pulley| belt.layout.shaft_speed(pulley));
         let elements = belt.cells_at.iter().map(|cell| cell.speed);
-        let places = (0..belt.layout.len()).filter(|&i| belt.has_position[i]);
-        for i in places.chain(elements).chain(shafts) {
+        let rates = (0..belt.layout.len()).filter(|&i| belt.has_position[i]);
+        for i in rates.chain(elements).chain(shafts) {
             self.state.y[i] = 0.0;
         }
         self.state.y_dot.fill(0.0);
         let mut still = self.given;
         (still.primary.speed_setpoint, still.secondary.speed_setpoint) = (0.0, 0.0);
         let holds = self.system.parameters.holds_a_sheave();
-        self.relax(if holds { RAMP / RAMP_PARTS } else { RAMP }, &still, |before| {
+        let parts = if holds { SOFT_START.parts } else { 1.0 };
+        self.relax(SOFT_START.duration / parts, &still, |before| {
             before.soft_since = f64::NEG_INFINITY;
             let p = &mut before.system.parameters;
             (p.primary.drive, p.secondary.drive) = (Drive::Speed, Drive::Speed);
         })
     }
 
-    /// Advances a copy, changed, under constant inputs in the `span` before the start, s, and takes
-    /// over its state, where possible. Friction comes in softly.
+    /// Advances a changed copy under constant inputs in the `span` before the start, s, as far as
+    /// possible, and takes its state. The friction velocity falls from a larger one.
     fn relax(&mut self, span: f64, inputs: &Inputs, change: impl FnOnce(&mut Self)) -> Result<(), StepError> {
         let mut before = self.clone();
         before.time -= span;
@@ -336,7 +347,7 @@ impl Simulation {
         outcome
     }
 
-    /// Takes over the state that another simulation of the same belt has found, with its work.
+    /// Takes the state that another simulation of the same belt has found, with its work.
     fn take_start(&mut self, found: Self) {
         self.state = found.state;
         self.start_work = found.start_work;
@@ -346,8 +357,7 @@ impl Simulation {
     }
 }
 
-/// Speed of the primary pulley of the belt that creeps into a standstill, rad/s: forward unless the
-/// given speed is negative.
+/// Speed of the primary pulley of the belt that creeps into a standstill, rad/s.
 fn creep_speed(start: &Start) -> f64 {
     CREEP_SPEED.copysign(start.primary_speed)
 }

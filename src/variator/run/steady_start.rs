@@ -1,39 +1,40 @@
-//! The steady state that a run starts from: at the given torques, or at the largest fraction of
-//! them that has one.
+//! The steady state that a run starts from, at the given torques or at the largest possible
+//! fraction.
 
+use super::simulation::Simulation;
+use super::start::OtherStart;
+use super::tuning::{
+    CLOSE_FRACTION, LEAST_FRACTION, NEXT_FRACTION, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK,
+};
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::NotSteady;
 use crate::solver::newton::{Newton, WorkBound};
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
-use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{CLOSE_FRACTION, NEXT_FRACTION, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK};
-use crate::variator::settings::FAR_BEYOND_CAPACITY;
 use crate::variator::settings::capacity::{TorqueDemand, excessive_speed};
-use crate::variator::settings::parameters::{Axial, Drive};
-use crate::variator::settings::signals::StartState;
+use crate::variator::settings::{Axial, Drive, StartState};
 use crate::variator::steady::solve::{SteadySolver, SteadyTask, geometric_ratio, reaction};
 
 /// Why there is no steady state to start from.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NoSteadyState {
-    /// Nor can the inputs be meant.
+    /// The inputs can't be intended.
     #[error("no steady state: {0}")]
     Hopeless(String),
-    /// For this reason.
+    /// None was found, for this reason.
     #[error("{0}")]
     NotFound(String),
 }
 
 impl Simulation {
-    /// Solves for the steady state of the parameters, or for the nearest one; returns which it is,
-    /// or why there is none.
+    /// Solves for the steady state of the parameters, or for the nearest one.
     pub fn solve_steady(&mut self) -> Result<StartState, NoSteadyState> {
         let mut newton = Newton::new(&self.system);
         newton.bound = WorkBound {
             remaining: STEADY_WORK,
             jacobian: REAL_TIME.jacobian,
+            geometry: REAL_TIME.geometry,
             overdraft: f64::INFINITY,
             ..WorkBound::NONE
         };
@@ -45,7 +46,7 @@ impl Simulation {
     /// [`Simulation::solve_steady`] within the work of `newton`.
     fn solve_within(&mut self, newton: &mut Newton) -> Result<StartState, NoSteadyState> {
         let parameters = &self.system.parameters;
-        let at = [parameters.initial.ratio, self.primary_speed()];
+        let (ratio, speed) = (parameters.initial.ratio, self.primary_speed());
         let [primary, secondary] = [parameters.primary.axial, parameters.secondary.axial];
         let holds_primary = secondary == Axial::Held && primary == Axial::Force;
         let clamped = if holds_primary {
@@ -53,7 +54,7 @@ impl Simulation {
         } else {
             Pulley::Secondary
         };
-        let force = parameters.total_clamping_forces(&self.given, at)[clamped];
+        let force = parameters.total_clamping_forces(&self.given, ratio, speed)[clamped];
         if force < NO_FORCE {
             let name = parameters.clamping_variable(clamped);
             let text = format!(
@@ -62,22 +63,22 @@ impl Simulation {
             );
             return Err(NoSteadyState::NotFound(text));
         }
-        if let Some(why) = excessive_speed(parameters, &self.given, at) {
+        if let Some(why) = excessive_speed(parameters, &self.given, ratio, speed) {
             return Err(NoSteadyState::Hopeless(why));
         }
         let free = [primary, secondary] == [Axial::Force; 2];
         let balance = free && parameters.initial.equilibrium;
-        let demand = TorqueDemand::new(parameters, &self.given, clamped, at);
+        let demand = TorqueDemand::new(parameters, &self.given, clamped, ratio, speed);
         let whole = self.steady_task(clamped.other(), 1.0);
-        let fraction = self.carry(newton, clamped.other(), demand)?;
+        let fraction = self.solve_largest_torque(newton, clamped.other(), demand)?;
         let mut found = StartState::Steady;
         if fraction < 1.0 {
-            let instead = format!("the steady state at torques of {:.0} % of them", 100.0 * fraction);
-            let (why, helps) = (
-                "no steady state was found at the torques, which may be beyond the capacity of the clamping forces",
-                "larger clamping forces or smaller torques",
-            );
-            found = self.start_from(StartState::ReducedTorque, why, &instead, helps);
+            let other = OtherStart {
+                why: "no steady state was found at the torques, which may be beyond the capacity of the clamping forces",
+                instead: &format!("the steady state at torques of {:.0} % of them", 100.0 * fraction),
+                helps: "larger clamping forces or smaller torques",
+            };
+            found = self.start_from(StartState::ReducedTorque, &other);
         }
         if balance {
             found = self.balance_forces(newton, &whole, found);
@@ -99,7 +100,8 @@ impl Simulation {
     /// The steady state with a fraction of the torques.
     fn steady_task(&self, reaction: Pulley, fraction: f64) -> SteadyTask {
         let (p, inputs) = (&self.system.parameters, self.given);
-        let [own, primary] = [&inputs.secondary, &inputs.primary].map(|pulley| fraction * pulley.torque);
+        let own = fraction * inputs.secondary.torque;
+        let primary = fraction * inputs.primary.torque;
         let (of_secondary, of_primary) = match (p.secondary.drive, p.primary.drive) {
             (Drive::Speed, Drive::Speed) => (ShaftMode::Fixed, ShaftMode::Fixed),
             (Drive::Speed, Drive::Torque) => (ShaftMode::Fixed, ShaftMode::Torque(primary)),
@@ -118,8 +120,7 @@ impl Simulation {
         }
     }
 
-    /// First guess of the slip of a shaft whose speed is solved for: in proportion to the torques,
-    /// in the direction of the power.
+    /// Guesses the slip of a shaft whose speed is solved for: in proportion to the torques.
     fn guess_slip(&mut self, task: &SteadyTask, demand: TorqueDemand, fraction: f64) {
         let utilisation = (-fraction * demand.utilisation()).clamp(-1.0, 1.0);
         let slip = SLIP_AT_CAPACITY * self.primary_speed().signum() * utilisation;
@@ -131,8 +132,8 @@ impl Simulation {
     }
 
     /// Solves for the steady state at the given torques, or at nearly the largest fraction of them
-    /// that has one: torque beyond capacity has none, and isn't tried. The share.
-    fn carry(
+    /// that has one: torque beyond capacity has none, and isn't tried. Returns the fraction.
+    fn solve_largest_torque(
         &mut self,
         newton: &mut Newton,
         reaction: Pulley,
@@ -143,7 +144,7 @@ impl Simulation {
         let (mut fraction, mut beyond) = (1.0, 1.0);
         loop {
             let task = self.steady_task(reaction, fraction);
-            let is_least = FAR_BEYOND_CAPACITY * fraction <= 1.0;
+            let is_least = fraction <= LEAST_FRACTION;
             if let Some(demand) = demand {
                 self.guess_slip(&task, demand, fraction);
             }
@@ -151,7 +152,7 @@ impl Simulation {
                 Some(demand) if is_least => return Err(NoSteadyState::Hopeless(demand.to_string())),
                 Some(_) => {}
                 None => match self.solve(newton, &task) {
-                    // Beyond capacity a pulley that slips for ever may be steady too.
+                    // Beyond capacity a slipping pulley may be steady too.
                     Ok(_) if fraction == 1.0 || is_least || !self.slips_by_state() => break,
                     Err(report) if is_least || task.shaft == Boundary::HELD.shaft => {
                         let why = demand.map(|demand| format!(": {demand}")).unwrap_or_default();
@@ -180,7 +181,6 @@ impl Simulation {
         Ok(fraction)
     }
 
-    /// Solves a task from the present state, in place.
     fn solve(&mut self, newton: &mut Newton, task: &SteadyTask) -> Result<(), NotSteady> {
         let Simulation { system, state, .. } = self;
         SteadySolver { system, newton }.solve(state, task)
@@ -191,13 +191,12 @@ impl Simulation {
         macro_slip(&self.system, self.state.view(), &self.sums(), false)
     }
 
-    /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the
-    /// search starts from.
+    /// Solves for the ratio at which the clamping forces balance, too, from the state `found`.
     fn balance_forces(&mut self, newton: &mut Newton, task: &SteadyTask, found: StartState) -> StartState {
         let Simulation { system, state, .. } = self;
         let range = system.parameters.ratio_range();
         let at_ratio = state.clone();
-        let outcome = SteadySolver { system, newton }.balance(state, task, range);
+        let outcome = SteadySolver { system, newton }.balance(state, task, &range);
         let ratio = geometric_ratio(system, state.view());
         match outcome {
             Ok(at_stop) => {
@@ -219,14 +218,14 @@ impl Simulation {
                 }
                 let passive = system.pulleys().passive_force(Pulley::Primary, state.view());
                 let holding = passive + reaction(system, state.view(), Pulley::Primary);
-                let instead = format!(
-                    "the steady state at the ratio, where the primary force would have to be {holding:.1} N"
-                );
-                let (why, helps) = (
-                    "no equilibrium of the two clamping forces was found",
-                    "that primary force, another initial.ratio, or initial.equilibrium = false",
-                );
-                self.start_from(StartState::NoEquilibrium, why, &instead, helps)
+                let other = OtherStart {
+                    why: "no equilibrium of the two clamping forces was found",
+                    instead: &format!(
+                        "the steady state at the ratio, where the primary force would have to be {holding:.1} N"
+                    ),
+                    helps: "that primary force, another initial.ratio, or initial.equilibrium = false",
+                };
+                self.start_from(StartState::NoEquilibrium, &other)
             }
         }
     }

@@ -1,20 +1,18 @@
-//! How a simulation is advanced within a communication step: in steps as the error control requires
-//! or, in real time, of bounded work.
+//! Own steps of a communication step, by error control or, in real time, of bounded work.
 
+use super::outcome::StepError;
+use super::real_time::RealTime;
+use super::simulation::Simulation;
+use super::tuning::{
+    NEWTON_LIMITS, NEWTON_TOLERANCE, NEWTON_WIDENING, STEP_RESIDUALS, STEP_RESIDUALS_PER_SECOND,
+};
 use crate::archive::Archive;
 use crate::pulley::PerPulley;
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::Sdirk;
 use crate::variator::pulleys::loads::{InputProfile, SHORTEST_STEP};
 use crate::variator::pulleys::rows::Stop;
-use crate::variator::run::outcome::StepError;
-use crate::variator::run::real_time::RealTime;
-use crate::variator::run::simulation::Simulation;
-use crate::variator::run::tuning::{
-    NEWTON_LIMITS, NEWTON_TOLERANCE, NEWTON_WIDENING, STEP_RESIDUALS, STEP_RESIDUALS_PER_SECOND,
-};
-use crate::variator::settings::parameters::{Mode, Parameters};
-use crate::variator::settings::signals::{Inputs, Work};
+use crate::variator::settings::{Inputs, Mode, Parameters, Work};
 
 /// An ongoing communication step.
 #[derive(Clone, Debug)]
@@ -23,9 +21,9 @@ pub struct CommunicationStep {
     pub(super) from: f64,
     pub(super) to: f64,
     pub(super) is_over: bool,
-    /// Until when loads and friction change alike, s; none before the first own step under them.
+    /// Until when loads and friction are smooth, s; none before the first own step under them.
     pub(super) smooth_until: Option<f64>,
-    /// Inputs that were given last, and how they come into force.
+    /// Inputs that were given last, and as functions of time.
     pub(super) given: Inputs,
     pub(super) profile: InputProfile,
     /// In the beginning: end stops that the sheaves were at, work until then.
@@ -38,13 +36,13 @@ pub struct CommunicationStep {
 pub(super) struct Stepper {
     pub(super) sdirk: Sdirk,
     pub(super) real_time: Option<RealTime>,
-    /// How many times more steps a tolerance tighter than the default takes.
+    /// Factor of the number of steps by a tolerance tighter than the default.
     shortening: f64,
 }
 
 impl Stepper {
-    /// From the state and time of a simulation, in its mode; where the error control chooses the
-    /// steps, with this one first, s.
+    /// From the state and time of a simulation, in its mode; with error control this step is first,
+    /// s.
     pub fn new(simulation: &Simulation, first_step: f64) -> Self {
         let solver = &simulation.system.parameters.solver;
         let mut sdirk = Sdirk::new(&simulation.system, first_step, solver.max_step);
@@ -60,8 +58,8 @@ impl Stepper {
         }
     }
 
-    /// Begins a communication step to a time, s, with inputs that were given and come into force as
-    /// `profile` says.
+    /// Begins a communication step to a time, s, with the inputs `given`, as functions of time
+    /// `profile`.
     pub fn begin(
         &mut self,
         simulation: &Simulation,
@@ -82,7 +80,7 @@ impl Stepper {
         }
     }
 
-    /// One own step of a communication step. In real time each can be done.
+    /// One own step of a communication step. In real time there is no error.
     pub fn step(&mut self, simulation: &mut Simulation, of: &mut CommunicationStep) -> Result<(), StepError> {
         let CommunicationStep {
             from, to, profile, ..
@@ -129,7 +127,7 @@ impl Stepper {
         Ok(())
     }
 
-    /// Work since the start, and what the last communication step left at a time, s.
+    /// Work since the start, and remainders of the last communication step at a time, s.
     pub fn output(&self, time: f64) -> Work {
         let output = |count: u64| i32::try_from(count).unwrap_or(i32::MAX);
         let counts = self.counts();
@@ -144,13 +142,10 @@ impl Stepper {
         }
     }
 
-    /// Work since the start.
     pub fn counts(&self) -> Counts {
         self.sdirk.newton.counts
     }
 
-    /// Writes to an archive, or reads from it, all that later steps depend on beside the simulation
-    /// and the factored Jacobian.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.sdirk.serialize(archive);
         if let Some(real_time) = &mut self.real_time {

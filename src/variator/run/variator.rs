@@ -1,5 +1,11 @@
 //! A run of a variator: build from parameters, initialise, advance, read.
 
+use super::outcome::{Event, InitialisationError, Moment, TimeError};
+use super::plausibility::PlausibilityWarnings;
+use super::real_time_monitor::RealTimeMonitor;
+use super::simulation::Simulation;
+use super::stepper::Stepper;
+use super::tuning::{COLD_STEP, FIRST_STEP, MOMENT, REPEATED};
 use crate::archive::Archive;
 use crate::fmi::unit::Message;
 use crate::solver::State;
@@ -9,30 +15,14 @@ use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::diagnostics::energy_balance::EnergyBalance;
 use crate::variator::diagnostics::observe::Observer;
 use crate::variator::pulleys::loads::InputProfile;
-use crate::variator::run::outcome::{Event, InitialisationError, TimeError};
-use crate::variator::run::plausibility::PlausibilityWarnings;
-use crate::variator::run::real_time_monitor::RealTimeMonitor;
-use crate::variator::run::simulation::Simulation;
-use crate::variator::run::stepper::Stepper;
-use crate::variator::run::tuning::{BRIEF, COLD_STEP, FIRST_STEP, MOMENT};
-use crate::variator::settings::ParameterError;
-use crate::variator::settings::parameters::Parameters;
-use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
+use crate::variator::settings::{
+    Inputs, Outputs, ParameterError, Parameters, Profile, Readings, StartState, Work,
+};
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 
 /// A variator: parameters, mesh and the whole dynamic state in one place. A clone is a snapshot
-/// that continues bit for bit as the original does.
-///
-/// ```
-/// use pushbelt::variator::{Variator, settings::{Inputs, Parameters}};
-/// let mut variator = Variator::new(Parameters::default())?;
-/// let inputs = Inputs::default();
-/// variator.initialise(0.0, &inputs)?;
-/// variator.advance(1e-3, &inputs)?;
-/// assert!((1.0..1.6).contains(&variator.outputs().thrust_ratio));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
+/// that continues bit for bit as the original does. [An example](crate).
 #[derive(Clone, Debug)]
 pub struct Variator {
     pub(super) simulation: Simulation,
@@ -52,8 +42,8 @@ pub struct Variator {
     profile_stale: bool,
 }
 
-/// Values as bytes, with room for those of a step of bounded work that is open. A copy has it too,
-/// so that its steps allocate nothing.
+/// Values as bytes, with room for an open step of bounded work; also in a copy, so that its steps
+/// allocate nothing.
 #[derive(Debug, Default)]
 struct Saved(Vec<u8>);
 
@@ -109,7 +99,7 @@ impl Variator {
         })
     }
 
-    /// Finds the state to start from at `time`. One that can't be solved for is replaced by the
+    /// Finds the state to start from at `time`. If it can't be found, the run starts from the
     /// nearest one, with a warning that names it and the reason.
     ///
     /// # Errors
@@ -140,9 +130,9 @@ impl Variator {
         Ok(())
     }
 
-    /// Warns of what is new in the present state. `starts`: the run starts from it.
+    /// Adds the new warnings of the present state. `starts`: the run starts from it.
     pub(super) fn warn(&mut self, starts: bool) {
-        for hint in self.hints.new_at(&self.simulation, starts) {
+        for hint in self.hints.new_warnings(&self.simulation, starts) {
             self.simulation.log(true, hint);
         }
     }
@@ -155,20 +145,19 @@ impl Variator {
             return;
         }
         self.macro_slip = slips;
-        if to - self.slipped > BRIEF {
+        if to - self.slipped > REPEATED {
             self.simulation
                 .log(false, format!("at {to} s {}", Event::of_slip(slips).text()));
         }
         self.slipped = to;
     }
 
-    /// Outputs a moment before and after the present, and the time between them, s, for time
-    /// derivatives: the state moves along y' = ẏ, q' = y, and ẏ as it did between the stages of the
-    /// last step. Allocates.
-    pub fn moment(&mut self) -> ([Box<Outputs>; 2], f64) {
+    /// Outputs a moment before and after the present: the state moves along y' = ẏ, q' = y, and ẏ
+    /// as it did between the stages of the last step. Allocates.
+    pub fn moment(&mut self) -> Moment {
         let present = self.outputs().clone();
         let of = &self.simulation;
-        let outputs = [-MOMENT, MOMENT].map(|after| {
+        let [before, after] = [-MOMENT, MOMENT].map(|after| {
             let mut state = of.state.clone();
             for i in 0..state.y.len() {
                 state.q[i] += after * state.y[i];
@@ -183,10 +172,11 @@ impl Variator {
             outputs
         });
         self.stale = true;
-        (outputs, 2.0 * MOMENT)
+        let span = 2.0 * MOMENT;
+        Moment { before, after, span }
     }
 
-    /// Writes to an archive, or reads from it, all that later steps and outputs depend on. To read,
+    /// Writes to an archive, or reads from it, what later steps and outputs depend on. To read,
     /// build a variator from the same parameters.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.serialize_values(archive);
@@ -197,8 +187,8 @@ impl Variator {
         }
     }
 
-    /// The same without the Jacobian that the solver reuses: what a run is, for stored states and
-    /// steps that go back.
+    /// The same without the Jacobian that the solver reuses, for stored states and steps that go
+    /// back.
     fn serialize_values(&mut self, archive: &mut Archive<'_>) {
         self.simulation.serialize(archive);
         self.stepper.serialize(archive);
@@ -238,15 +228,15 @@ impl Variator {
         self.saved.0 = archive.into_bytes();
     }
 
-    /// The same before the first step, with room for an open one: its stage and residual are as
-    /// long again as all else.
+    /// The same before the first step, with room for an open one, whose stage and residual are as
+    /// long as all else.
     fn save_first(&mut self) {
         self.save();
         self.saved.0.reserve(2 * self.saved.0.len());
     }
 
-    /// Goes back to where the communication step began. All readings have the same bits as there,
-    /// and the work done since then remains counted. A Jacobian from there is not kept.
+    /// Restores the values of the begin of the communication step. All readings have the same bits,
+    /// and the work since then remains counted. A Jacobian of then is not kept.
     pub(super) fn roll_back(&mut self) {
         let (saved, counts) = (std::mem::take(&mut self.saved), self.stepper.counts());
         self.serialize_values(&mut Archive::reader(&saved.0));
@@ -258,36 +248,43 @@ impl Variator {
     }
 
     /// Present time, s.
+    #[must_use]
     pub fn time(&self) -> f64 {
         self.simulation.time
     }
 
     /// Parameters as set. Those in force are in [`Variator::system`].
+    #[must_use]
     pub fn parameters(&self) -> &Parameters {
         self.simulation.system.parameters.as_set()
     }
 
     /// The assembled system, for reports and tests.
+    #[must_use]
     pub fn system(&self) -> &VariatorSystem {
         &self.simulation.system
     }
 
     /// The energy balance, and the belt at the end of the last step, for reports and tests.
+    #[must_use]
     pub fn energy_balance(&self) -> &EnergyBalance {
         &self.simulation.energy
     }
 
     /// The dynamic state, for reports and tests.
+    #[must_use]
     pub fn state(&self) -> &State {
         &self.simulation.state
     }
 
     /// Work done since the start of the run.
+    #[must_use]
     pub fn counts(&self) -> Counts {
         self.stepper.counts()
     }
 
     /// Work of the search for the state that the run started from.
+    #[must_use]
     pub fn start_work(&self) -> Counts {
         self.simulation.start_work
     }
@@ -319,8 +316,7 @@ impl Variator {
         &self.readings(true).profile
     }
 
-    /// Outputs at the present time, and if `profile` is set the profile, whose evaluation costs as
-    /// much as all of them.
+    /// Outputs at the present time, and with `profile` the profile, which takes as long as they.
     pub(crate) fn readings(&mut self, profile: bool) -> &Readings {
         let of = &self.simulation;
         let (view, belt) = (of.state.view(), &of.energy.last);

@@ -1,21 +1,21 @@
-//! What a clamping force carries at most, and loads that look like another unit's.
+//! The largest torque of a clamping force, and loads that seem to be in another unit.
 
+use super::parameters::{Axial, Cylinder, Drive, Parameters};
+use super::signals::Inputs;
+use super::table::range_of;
+use super::{MOST_OVER_FULL_SLIP, RUPTURE, WRONG_UNIT};
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
-use crate::variator::settings::parameters::{Axial, Cylinder, Drive, Parameters};
-use crate::variator::settings::signals::Inputs;
-use crate::variator::settings::table::range_of;
-use crate::variator::settings::{BEYOND, FAR_BEYOND_CAPACITY, RUPTURE};
 
-/// The torque that the belt transmits at given inputs while it does not slip through, and what a
-/// clamping force carries.
+/// The torque that the belt transmits at given inputs while it does not slip through, and that
+/// which a clamping force can transmit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TorqueDemand {
     /// The pulley whose force it is.
     pulley: Pulley,
-    /// External torques on the primary and the secondary shaft, N·m.
-    torques: [f64; 2],
-    /// Clamping force that was given, N.
+    /// External torques on the shafts, N·m.
+    torques: PerPulley<f64>,
+    /// Given clamping force, N.
     given: f64,
     /// Force of clamp and cylinder, N, and the name of its variable.
     force: f64,
@@ -23,26 +23,32 @@ pub(crate) struct TorqueDemand {
     ratio: f64,
     /// Torque of the belt on the primary pulley, N·m.
     torque: f64,
-    /// Full slip of the pulley, seen from the primary one, N·m for each N.
+    /// Torque of full slip, at the primary pulley, N·m for each N.
     capacity_per_force: f64,
-    /// Drag of both shafts, seen from the primary one, N·m.
+    /// Drag of both shafts, reduced to the primary one, N·m.
     drag: f64,
 }
 
 impl TorqueDemand {
-    /// The demand on the force of a pulley at a ratio and a primary speed, rad/s; none where no
-    /// torque is given or no belt closes.
-    pub fn new(parameters: &Parameters, inputs: &Inputs, pulley: Pulley, at: [f64; 2]) -> Option<Self> {
-        let [ratio, speed] = at;
+    /// The demand on the force of a pulley at a ratio and a primary speed, rad/s; none without a
+    /// given torque or a belt that closes.
+    pub fn new(
+        parameters: &Parameters,
+        inputs: &Inputs,
+        pulley: Pulley,
+        ratio: f64,
+        speed: f64,
+    ) -> Option<Self> {
         let (p, s) = (&parameters.primary, &parameters.secondary);
-        let torque = parameters.steady_torque(PerPulley::from_fn(|j| inputs.pulley(j).torque), ratio)?;
-        let (radius, _) = parameters.pitch_radii(ratio)?;
+        let torques = PerPulley::from_fn(|j| inputs.pulley(j).torque);
+        let torque = parameters.steady_torque(torques, ratio)?;
+        let radius = parameters.pitch_radii(ratio)?.primary;
         let cos_beta = parameters.geometry.wedge_angle.cos();
-        let force = parameters.total_clamping_forces(inputs, at)[pulley];
+        let force = parameters.total_clamping_forces(inputs, ratio, speed)[pulley];
         let drag = |of: &crate::shaft::ShaftDrag, speed: f64| of.loads(speed.abs(), [force, 0.0]).torque;
         Some(Self {
             pulley,
-            torques: [inputs.primary.torque, inputs.secondary.torque],
+            torques,
             given: inputs.pulley(pulley).clamping_force,
             force,
             name: parameters.clamping_variable(pulley),
@@ -57,8 +63,7 @@ impl TorqueDemand {
         self.capacity_per_force * self.force
     }
 
-    /// Torque of the belt on the primary pulley as a fraction of what the force carries; 0 without
-    /// torque, whatever that is.
+    /// Torque of the belt on the primary pulley as a fraction of the capacity; 0 without torque.
     pub fn utilisation(&self) -> f64 {
         if self.torque == 0.0 {
             0.0
@@ -69,19 +74,19 @@ impl TorqueDemand {
 
     /// Whether a fraction of the torque is beyond what the force can carry.
     pub fn is_beyond(&self, fraction: f64) -> bool {
-        fraction * self.torque.abs() > BEYOND * self.capacity() + self.drag
+        fraction * self.torque.abs() > MOST_OVER_FULL_SLIP * self.capacity() + self.drag
     }
 
     /// Whether the torque is far beyond the capacity, and a factor of 1000 explains it.
     pub fn seems_another_unit(&self) -> bool {
         let (capacity, torque) = (self.capacity(), self.torque.abs());
         self.given > 0.0
-            && torque > FAR_BEYOND_CAPACITY * capacity + self.drag
-            && 1.0e-3 * torque <= BEYOND * capacity
+            && torque > WRONG_UNIT * capacity + self.drag
+            && 1.0e-3 * torque <= MOST_OVER_FULL_SLIP * capacity
     }
 
-    /// The unit that is meant then: that of the force where loads are smaller than those of the
-    /// default start, else that of the torques.
+    /// The wrong unit: of the force where loads are smaller than those of the default start, else
+    /// of the torques.
     fn other_unit(&self) -> String {
         let (force, torque, pulley) = (self.force, self.torque.abs(), self.pulley.name());
         let usual = Inputs::default().primary;
@@ -94,13 +99,13 @@ impl TorqueDemand {
     }
 }
 
-/// What the force carries, what the torques demand, and which force would do: the reason why there
-/// is no steady state.
+/// The capacity of the force, the demand of the torques, and a force that would suffice: the reason
+/// why there is no steady state.
 impl std::fmt::Display for TorqueDemand {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (pulley, name, force) = (self.pulley.name(), self.name, self.force);
         let [capacity, ratio, torque] = [self.capacity(), self.ratio, self.torque.abs()].map(short);
-        let [primary, secondary] = self.torques.map(short);
+        let PerPulley { primary, secondary } = self.torques.map(short);
         write!(
             f,
             "{pulley}.{name} = {force} N carries at most {capacity} N·m at ratio {ratio}, and the torques (primary {primary}, \
@@ -109,7 +114,7 @@ impl std::fmt::Display for TorqueDemand {
         let least = (self.torque.abs() / self.capacity_per_force).ceil();
         if !self.is_beyond(1.0) {
             f.write_str("a larger force, or another ratio, may have one")?;
-        } else if range_of("primary.clampingForce").is_some_and(|(_, most)| least <= most) {
+        } else if range_of("primary.clampingForce").is_some_and(|range| least <= *range.end()) {
             write!(f, "at least {least} N")?;
         } else {
             f.write_str("no admissible force does")?;
@@ -123,7 +128,7 @@ impl std::fmt::Display for TorqueDemand {
 
 impl Parameters {
     /// Torque of the belt on the primary pulley, N·m, under which the free shafts accelerate
-    /// together, from the other torques on them; none where both speeds are given.
+    /// together with these other torques; none where both speeds are given.
     #[must_use]
     pub fn steady_torque(&self, torques: PerPulley<f64>, ratio: f64) -> Option<f64> {
         let (p, s) = (&self.primary, &self.secondary);
@@ -148,6 +153,7 @@ impl Parameters {
     /// Forces of clamps and cylinders without seals on sheaves at these positions, m, and speeds,
     /// rad/s; N.
     #[inline]
+    #[must_use]
     pub fn total_clamping_forces_at(
         &self,
         inputs: &Inputs,
@@ -161,19 +167,20 @@ impl Parameters {
     }
 
     /// The same at a ratio and a primary speed, rad/s.
-    pub(crate) fn total_clamping_forces(&self, inputs: &Inputs, [ratio, speed]: [f64; 2]) -> PerPulley<f64> {
+    pub(crate) fn total_clamping_forces(&self, inputs: &Inputs, ratio: f64, speed: f64) -> PerPulley<f64> {
         let [at_one, here] = [1.0, ratio].map(|ratio| self.pitch_radii(ratio).unwrap_or_default());
-        let place = 2.0 * self.geometry.wedge_angle.tan();
-        let [primary, secondary] = [here.0 - at_one.0, here.1 - at_one.1].map(|radius| place * radius);
+        let way = 2.0 * self.geometry.wedge_angle.tan();
+        let positions = PerPulley::from_fn(|j| way * (here[j] - at_one[j]));
         let speeds = PerPulley {
             primary: speed,
             secondary: speed / ratio,
         };
-        self.total_clamping_forces_at(inputs, PerPulley { primary, secondary }, speeds)
+        self.total_clamping_forces_at(inputs, positions, speeds)
     }
 
     /// The pressure that opens a pulley at a time, s, under these [total clamping
     /// forces](Self::total_clamping_forces_at), N.
+    #[must_use]
     pub fn opening_pressure(&self, inputs: &Inputs, clamping: PerPulley<f64>, time: f64) -> Option<String> {
         let opens = |j: &Pulley| clamping[*j] <= 0.0 && clamping[*j] < inputs.pulley(*j).clamping_force;
         let pulley = clamped(self).find(opens)?;
@@ -212,12 +219,18 @@ impl Parameters {
 }
 
 /// The variable that gives the speed of the start, and its value, rad/s.
-pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> (&'static str, f64) {
-    match (parameters.primary.drive, parameters.secondary.drive) {
+pub(crate) struct GivenSpeed {
+    pub name: &'static str,
+    pub value: f64,
+}
+
+pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> GivenSpeed {
+    let (name, value) = match (parameters.primary.drive, parameters.secondary.drive) {
         (Drive::Speed, _) => ("primary.speedSetpoint", inputs.primary.speed_setpoint),
         (_, Drive::Speed) => ("secondary.speedSetpoint", inputs.secondary.speed_setpoint),
         _ => ("initial.primarySpeed", parameters.initial.primary_speed),
-    }
+    };
+    GivenSpeed { name, value }
 }
 
 /// The reason why no belt bears the speed of the start, where the primary pulley turns at `speed`,
@@ -225,13 +238,14 @@ pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> (&'static
 pub(crate) fn excessive_speed(
     parameters: &Parameters,
     inputs: &Inputs,
-    [ratio, speed]: [f64; 2],
+    ratio: f64,
+    speed: f64,
 ) -> Option<String> {
-    let (radius, _) = parameters.pitch_radii(ratio)?;
+    let radius = parameters.pitch_radii(ratio)?.primary;
     let belt = radius * speed.abs();
     let mass = parameters.belt.mass_per_length + parameters.ring.mass_per_length;
     let stretch = mass * belt * belt / parameters.ring.axial_stiffness;
-    let (name, value) = given_speed(parameters, inputs);
+    let GivenSpeed { name, value } = given_speed(parameters, inputs);
     let slower = value.abs() * (RUPTURE / stretch).sqrt();
     let [belt, ratio, percent, slower] = [belt, ratio, 100.0 * stretch, slower].map(short);
     (stretch > RUPTURE).then(|| {
@@ -254,7 +268,7 @@ pub(crate) fn short(value: f64) -> f64 {
     (value * factor).round() / factor
 }
 
-/// The clamping forces that act: of sheaves that are not held.
+/// Pulleys whose clamping forces act, because their sheaves are not held.
 pub(crate) fn clamped(parameters: &Parameters) -> impl Iterator<Item = Pulley> + '_ {
     Pulley::BOTH
         .into_iter()

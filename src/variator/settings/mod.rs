@@ -12,19 +12,18 @@ pub use signals::*;
 pub use table::{Setting, inputs, parameters, range_of};
 pub use validation::{ParameterError, bisected};
 
-// Limits of refusals, starts and messages. No law has them.
+// Limits of refusals, starts and messages.
 
 /// Factor by which an initial ratio may exceed an end stop: a loaded belt rests up to 5 % beyond
 /// it, and a run may continue from there.
 pub const BEYOND_STOP: f64 = 1.06;
-/// Relative scatter of modulus and density of published rings' steel about that of the default one:
-/// one layer in ten is above it.
+/// Relative scatter of modulus and density of published rings' steel about the default; one layer
+/// in ten is above it.
 const STEEL_SCATTER: f64 = 0.06;
 /// Stretch of a ring under the centrifugal tension that no steel bears.
 const RUPTURE: f64 = 0.02;
-/// Torque over that of full slip that a belt may carry: friction along the flanks may raise the
-/// capacity by some percent. A start does not try more.
-const BEYOND: f64 = 1.15;
-/// Torque over the capacity from which a wrong unit explains it better than a slipping belt. A
-/// start tries no smaller share of it.
-pub(crate) const FAR_BEYOND_CAPACITY: f64 = 20.0;
+/// Most torque that a start tries, over that of full slip: friction along the flanks may raise the
+/// capacity by some percent.
+const MOST_OVER_FULL_SLIP: f64 = 1.15;
+/// Torque over the capacity from which a wrong unit explains it better than a slipping belt.
+const WRONG_UNIT: f64 = 20.0;

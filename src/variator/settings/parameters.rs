@@ -1,6 +1,9 @@
 //! Parameters, set before a run: one struct per group, one field per parameter of the interface. SI
 //! units, angles in rad. Start values and ranges are in [`table`](super::table).
+#![expect(missing_docs, reason = "fields are described in the tables of variables")]
 
+use super::ParameterError;
+pub use super::choices::{Axial, BeltKind, Drive, Mode, RingModel};
 use crate::archive::Archive;
 pub use crate::contact::{Contact, Friction};
 pub use crate::cylinder::Cylinder;
@@ -10,18 +13,12 @@ pub use crate::ring::{Joints, Ring};
 pub use crate::shaft::ShaftDrag;
 pub use crate::stack::PushElements;
 pub use crate::tilt::{RIGID_TILT_STIFFNESS, Tilt};
-use crate::variator::settings::ParameterError;
-pub use crate::variator::settings::choices::{Axial, BeltKind, Drive, Mode, RingModel};
 
 /// Lag of a pulley's speed behind its set point in [`Drive::Speed`], s.
 pub const SPEED_LAG: f64 = 1e-3;
 
 /// All parameters of a variator. [`Default`] is the laboratory variator `bench168`.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(
-    missing_docs,
-    reason = "said at the type of a group, or in the table of variables"
-)]
 pub struct Parameters {
     pub ring_model: RingModel,
     pub spatial: bool,
@@ -42,7 +39,6 @@ pub struct Parameters {
 
 /// Geometry of the drive.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Geometry {
     pub center_distance: f64,
     pub belt_length: f64,
@@ -52,7 +48,6 @@ pub struct Geometry {
 
 /// Parameters of a pulley with its shaft.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct PulleyParameters {
     pub drive: Drive,
     pub axial: Axial,
@@ -66,10 +61,9 @@ pub struct PulleyParameters {
     pub cylinder: Cylinder,
 }
 
-/// Elements along the belt. Their borders include the arc borders and move with them: five segments
-/// (half secondary arc, upper strand, primary arc, lower strand, half secondary arc).
+/// Elements along the belt. Their borders include and follow the borders of five segments: half
+/// secondary arc, upper strand, primary arc, lower strand, half secondary arc.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Mesh {
     pub primary_arc: i32,
     pub secondary_arc: i32,
@@ -94,7 +88,6 @@ impl Mesh {
 
 /// Parameters of time integration and of the ramps of inputs.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Solver {
     pub mode: Mode,
     pub effort: i32,
@@ -105,7 +98,6 @@ pub struct Solver {
 
 /// State that a run starts from.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Initial {
     pub ratio: f64,
     pub primary_speed: f64,
@@ -116,7 +108,7 @@ pub struct Initial {
 
 /// Parameters that the laws use, to which this dereferences, with those that were set. A pull chain
 /// has no stack, no layers and no ring that slides on elements; its contact is at its centre line,
-/// and its whole mass is that of the ring. So both kinds don't compare:
+/// and its whole mass is that of the ring. The two don't compare:
 ///
 /// ```compile_fail,E0369
 /// # use pushbelt::variator::settings::Parameters;
@@ -145,6 +137,7 @@ impl std::ops::DerefMut for ParametersInForce {
 
 impl ParametersInForce {
     /// The parameters that were set.
+    #[must_use]
     pub fn as_set(&self) -> &Parameters {
         &self.as_set
     }
@@ -202,12 +195,14 @@ impl Parameters {
     }
 
     /// Whether the belt is a pull chain.
+    #[must_use]
     pub fn is_pull_chain(&self) -> bool {
         self.kind == BeltKind::PullChain
     }
 
     /// Distance e of the pitch line inside the ring centre line, m: 0 for a chain, whose pins touch
     /// the sheaves at its centre line.
+    #[must_use]
     pub fn pitch_offset(&self) -> f64 {
         if self.is_pull_chain() {
             0.0
@@ -233,6 +228,7 @@ impl Parameters {
     }
 
     /// Parameters of a pulley.
+    #[must_use]
     pub fn pulley(&self, pulley: Pulley) -> &PulleyParameters {
         match pulley {
             Pulley::Secondary => &self.secondary,
@@ -241,11 +237,13 @@ impl Parameters {
     }
 
     /// Whether a sheave does not move.
+    #[must_use]
     pub fn holds_a_sheave(&self) -> bool {
         self.primary.axial == Axial::Held || self.secondary.axial == Axial::Held
     }
 
     /// Whether no sheave moves.
+    #[must_use]
     pub fn holds_both_sheaves(&self) -> bool {
         self.primary.axial == Axial::Held && self.secondary.axial == Axial::Held
     }

@@ -1,31 +1,42 @@
-//! Inputs and outputs of a variator at every communication step, in SI units. What each one is, its
-//! unit and its limits are in its row: of inputs in [`table`](super::table), of outputs in
-//! [`unit`](crate::unit).
+//! Inputs and outputs of a variator at every communication step, in SI units. Their rows are in
+//! [`table`](super::table) and [`unit`](crate::unit).
+#![expect(missing_docs, reason = "fields are described in the tables of variables")]
 
+pub use super::choices::StartState;
 use crate::cylinder::Cylinder;
 use crate::pulley::Pulley;
 use crate::ring::stress::RingStress;
-pub use crate::variator::settings::choices::StartState;
 
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
 pub const PROFILE_POINTS: usize = 72;
 
-/// Names of the inputs in the order of [`Inputs::values`], their units, and a size of each, in
-/// which changes are counted.
-pub(crate) const INPUTS: [(&str, &str, f64); 8] = [
-    ("primary.torque", "N.m", 50.0),
-    ("primary.clampingForce", "N", 5.0e3),
-    ("primary.speedSetpoint", "rad/s", 100.0),
-    ("primary.pressure", "Pa", 5.0e5),
-    ("secondary.torque", "N.m", 50.0),
-    ("secondary.clampingForce", "N", 5.0e3),
-    ("secondary.speedSetpoint", "rad/s", 100.0),
-    ("secondary.pressure", "Pa", 5.0e5),
+/// An input.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Input {
+    pub name: &'static str,
+    pub unit: &'static str,
+    /// Size in which changes are counted.
+    pub size: f64,
+}
+
+const fn input(name: &'static str, unit: &'static str, size: f64) -> Input {
+    Input { name, unit, size }
+}
+
+/// The inputs in the order of [`Inputs::values`].
+pub(crate) const INPUTS: [Input; 8] = [
+    input("primary.torque", "N.m", 50.0),
+    input("primary.clampingForce", "N", 5.0e3),
+    input("primary.speedSetpoint", "rad/s", 100.0),
+    input("primary.pressure", "Pa", 5.0e5),
+    input("secondary.torque", "N.m", 50.0),
+    input("secondary.clampingForce", "N", 5.0e3),
+    input("secondary.speedSetpoint", "rad/s", 100.0),
+    input("secondary.pressure", "Pa", 5.0e5),
 ];
 
 /// Inputs of one pulley.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct PulleyInputs {
     pub torque: f64,
     pub clamping_force: f64,
@@ -35,12 +46,13 @@ pub struct PulleyInputs {
 
 impl PulleyInputs {
     /// Force of clamp and pressure on the movable sheave, N.
+    #[must_use]
     pub fn force(&self, cylinder: &Cylinder) -> f64 {
         self.clamping_force + cylinder.area * self.pressure
     }
 }
 
-/// Inputs of the variator: held over a communication step, or in proportion to time.
+/// Inputs of the variator, held over a communication step or linear in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
     /// Inputs of the primary pulley.
@@ -92,6 +104,7 @@ impl Inputs {
     }
 
     /// Inputs of a pulley.
+    #[must_use]
     pub fn pulley(&self, pulley: Pulley) -> &PulleyInputs {
         match pulley {
             Pulley::Secondary => &self.secondary,
@@ -102,7 +115,6 @@ impl Inputs {
 
 /// Outputs of one pulley.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct PulleyOutputs {
     pub speed: f64,
     pub radius: f64,
@@ -122,7 +134,6 @@ pub struct PulleyOutputs {
 
 /// Losses, each from its own law, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Losses<L = f64> {
     pub sheaves: L,
     pub ring: L,
@@ -136,6 +147,7 @@ pub struct Losses<L = f64> {
 
 impl Losses {
     /// Sum of all losses, W.
+    #[must_use]
     pub fn total(&self) -> f64 {
         self.sheaves
             + self.ring
@@ -150,7 +162,6 @@ impl Losses {
 
 /// Fields along the belt at ξ_k = (k−1)L/[`PROFILE_POINTS`].
 #[derive(Clone, Debug, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Profile {
     pub position: [f64; PROFILE_POINTS],
     pub push_force: [f64; PROFILE_POINTS],
@@ -182,7 +193,6 @@ impl Default for Profile {
 
 /// Work of a run since its start, and the remaining error of its last communication step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Work {
     pub steps: i32,
     pub jacobians: i32,
@@ -193,11 +203,9 @@ pub struct Work {
     pub rollbacks: i32,
 }
 
-/// Scalar outputs of a variator in its present state. No entry depends on the present inputs
-/// except `external_torque` in torque drive and `clamping_force_total`, which have the inputs as
-/// held over the last step.
+/// Scalar outputs of a variator in its present state. Only `external_torque` in torque drive and
+/// `clamping_force_total` depend on the inputs, as held over the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
-#[expect(missing_docs, reason = "said once, in the table of variables")]
 pub struct Outputs {
     pub primary: PulleyOutputs,
     pub secondary: PulleyOutputs,

@@ -2,28 +2,49 @@
 //! description. The interface, the defaults and the checks of ranges follow.
 //!
 //! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the
-//! reference. The ranges are wide: they exclude only values that can't be intended, and limit cases
-//! of theory are admissible.
+//! reference. The ranges exclude only values that can't be intended; limit cases of theory are
+//! admissible.
 
+use super::ParameterError;
+use super::choices::{Axial, BeltKind, Drive, Mode};
+use super::parameters::Parameters;
+use super::signals::Inputs;
 use crate::fmi::table::{Access, Causality, Kind, Range, Value, Variable};
-use crate::variator::settings::ParameterError;
-use crate::variator::settings::choices::{Axial, BeltKind, Drive, Mode};
-use crate::variator::settings::parameters::Parameters;
-use crate::variator::settings::signals::Inputs;
+use std::ops::RangeInclusive;
 
-/// The pulley of a row: the name that replaces `{}`, and the number that is added to the reference.
-pub(crate) type Owner = (&'static str, u32);
-pub(crate) const WHOLE: Owner = ("", 0);
-pub(crate) const PRIMARY: Owner = ("primary", 100);
-pub(crate) const SECONDARY: Owner = ("secondary", 200);
+/// The pulley of a row, or the whole variator.
+#[derive(Clone, Copy)]
+pub(crate) struct Owner {
+    /// Name that replaces `{}`.
+    name: &'static str,
+    /// Number that is added to the reference.
+    base: u32,
+}
 
-/// A row of a table: name, value reference, causality, description, type with field.
-pub(crate) struct Row<'a, S, Q>(pub &'a str, pub u32, pub Causality, pub &'a str, pub Kind<S, Q>);
+pub(crate) const WHOLE: Owner = Owner { name: "", base: 0 };
+pub(crate) const PRIMARY: Owner = Owner {
+    name: "primary",
+    base: 100,
+};
+pub(crate) const SECONDARY: Owner = Owner {
+    name: "secondary",
+    base: 200,
+};
+
+/// A row of a table.
+pub(crate) struct Row<'a, S, Q> {
+    pub name: &'a str,
+    pub reference: u32,
+    pub causality: Causality,
+    pub text: &'a str,
+    /// Type with field.
+    pub kind: Kind<S, Q>,
+}
 
 impl<S, Q> Row<'_, S, Q> {
     /// The variable of a pulley or of the whole variator.
-    pub fn variable(self, (owner, base): Owner) -> Variable<S, Q> {
-        let Self(name, reference, causality, text, mut kind) = self;
+    pub fn variable(self, owner: Owner) -> Variable<S, Q> {
+        let Self { name, mut kind, .. } = self;
         if let Kind::Real {
             unit, display_unit, ..
         } = &mut kind
@@ -31,10 +52,10 @@ impl<S, Q> Row<'_, S, Q> {
             *display_unit = shown_in(name, unit);
         }
         Variable {
-            name: name.replace("{}", owner),
-            reference: base + reference,
-            description: text.replace("{}", owner),
-            causality,
+            name: name.replace("{}", owner.name),
+            reference: owner.base + self.reference,
+            description: self.text.replace("{}", owner.name),
+            causality: self.causality,
             kind,
         }
     }
@@ -65,32 +86,34 @@ pub struct Setting<S, Q = ()> {
 
 impl<S, Q> Setting<S, Q> {
     /// The variable.
+    #[must_use]
     pub fn variable(self) -> Variable<S, Q> {
         self.row.variable(self.owner)
     }
 
     /// Name in the interface.
+    #[must_use]
     pub fn name(&self) -> String {
-        self.row.0.replace("{}", self.owner.0)
+        self.row.name.replace("{}", self.owner.name)
     }
 
     pub(crate) fn is_tunable(&self) -> bool {
-        self.row.2 == Causality::Tunable
+        self.row.causality == Causality::Tunable
     }
 
-    /// Smallest and largest value of a number; infinity where there is no limit.
-    pub fn range(&self) -> Option<[f64; 2]> {
-        match self.row.4 {
-            Kind::Real { range, .. } => Some([range.min?, range.max.unwrap_or(f64::INFINITY)]),
-            Kind::Integer { range, .. } => range.map(|(min, max)| [min, max].map(f64::from)),
+    /// Range of a number, to infinity where there is no limit.
+    #[must_use]
+    pub fn range(&self) -> Option<RangeInclusive<f64>> {
+        match self.row.kind {
+            Kind::Real { range, .. } => Some(range.min?..=range.max.unwrap_or(f64::INFINITY)),
+            Kind::Integer { range, .. } => range.map(|(min, max)| min.into()..=max.into()),
             Kind::Boolean { .. } | Kind::Enumeration { .. } => None,
         }
     }
 
-    /// Checks the value against its range, without memory from the heap: inputs are checked in each
-    /// step.
+    /// Checks the value against its range, without an allocation.
     pub(crate) fn check(&self, of: &S) -> Result<(), ParameterError> {
-        let value = match &self.row.4 {
+        let value = match &self.row.kind {
             Kind::Real {
                 access: Access::Setting { get, .. },
                 ..
@@ -101,12 +124,13 @@ impl<S, Q> Setting<S, Q> {
             } => get(of).into(),
             _ => return Ok(()),
         };
-        let Some([min, max]) = self.range() else {
+        let Some(range) = self.range() else {
             return Ok(());
         };
-        if value.is_finite() && value >= min && value <= max {
+        if value.is_finite() && range.contains(&value) {
             return Ok(());
         }
+        let (min, max) = range.into_inner();
         let range = if max == f64::INFINITY {
             format!("a finite number, at least {min}")
         } else {
@@ -116,14 +140,14 @@ impl<S, Q> Setting<S, Q> {
     }
 }
 
-/// Smallest and largest value of a real or integer parameter or input, by its name in the
-/// interface; infinity where there is no limit.
-pub fn range_of(name: &str) -> Option<(f64, f64)> {
-    let [min, max] = match parameters::<Parameters, ()>().find(|one| one.name() == name) {
+/// Range of a real or integer parameter or input, by its name in the interface; to infinity where
+/// there is no limit.
+#[must_use]
+pub fn range_of(name: &str) -> Option<RangeInclusive<f64>> {
+    match parameters::<Parameters, ()>().find(|one| one.name() == name) {
         Some(parameter) => parameter.range(),
         None => inputs::<Inputs, ()>().find(|one| one.name() == name)?.range(),
-    }?;
-    Some((min, max))
+    }
 }
 
 /// The start values of the interface.
@@ -149,11 +173,11 @@ impl Default for Inputs {
 }
 
 /// A row with its start value, by name, value reference, causality, type(start value, ..), field
-/// and description. `S` is the type of the settings in which it is.
+/// and description, of settings `S`.
 macro_rules! row {
     ($name:literal, $reference:literal, $causality:ident, $kind:ident($($value:tt)*), $($field:ident).+, $text:literal) => {{
         let (start, kind) = value!($kind($($value)*), $($field).+);
-        (Row($name, $reference, Causality::$causality, $text, kind), start)
+        (Row { name: $name, reference: $reference, causality: Causality::$causality, text: $text, kind }, start)
     }};
 }
 
@@ -234,8 +258,7 @@ macro_rules! pulley_parameters {
     };
 }
 
-/// The inputs in settings `S`. The ranges are more than ten times what belts for cars transmit and
-/// are clamped with.
+/// The inputs in settings `S`. The ranges are more than ten times those of belts for cars.
 pub fn inputs<S: AsRef<Inputs> + AsMut<Inputs>, Q>() -> impl Iterator<Item = Setting<S, Q>> {
     settings_of(PRIMARY, inputs!(primary, 50.0, 13e3))
         .chain(settings_of(SECONDARY, inputs!(secondary, -49.0, 10e3)))

@@ -1,15 +1,15 @@
-//! Checks of parameters and inputs.
-//!
-//! There are two kinds of rule. Each value has a range of its own, in the [`table`](super::table);
-//! and values must fit each other (the belt around the pulleys, the stops, the wedge above the
-//! friction angle).
+//! Checks of parameters and inputs: each value has a range, in the [`table`](super::table), and
+//! values must fit each other (the belt around the pulleys, the stops, the wedge above the friction
+//! angle).
 
+use super::parameters::{Parameters, RingModel};
+use super::signals::{INPUTS, Inputs};
+use super::table::{Setting, inputs, parameters};
+use super::{BEYOND_STOP, STEEL_SCATTER};
+use crate::pulley::PerPulley;
 use crate::reference_curve::TwoPulley;
-use crate::variator::settings::parameters::{Parameters, RingModel};
-use crate::variator::settings::signals::{INPUTS, Inputs};
-use crate::variator::settings::table::{Setting, inputs, parameters};
-use crate::variator::settings::{BEYOND_STOP, STEEL_SCATTER};
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 /// A value out of its range.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,9 +34,18 @@ impl ParameterError {
     }
 }
 
+/// Young's modulus, Pa, and density, kg/m³, of a ring's steel.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Steel {
+    pub modulus: f64,
+    pub density: f64,
+}
+
 impl Parameters {
-    /// Checks every parameter against its range, and all against each other; returns the first that
-    /// is out of its range.
+    /// Checks every parameter against its range, and all against each other.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
         parameters::<_, ()>().try_for_each(|parameter| parameter.check(self))?;
         self.validate_wedge()?;
@@ -53,8 +62,7 @@ impl Parameters {
             (&self.secondary, "secondary.tiltClearance"),
         ] {
             let clearance = pulley.tilt.clearance;
-            // The square of a hundredth of it is above the least number, and so is what a flank
-            // moves by it.
+            // The square of a hundredth of it is above the least number.
             require(clearance == 0.0 || clearance >= 1e-9, name, clearance, || {
                 "1e-9 to 0.1, or 0: less moves a flank by less than an atom, and rounding takes it".to_owned()
             })?;
@@ -69,6 +77,9 @@ impl Parameters {
     }
 
     /// Checks the two coefficients that may change in a run.
+    ///
+    /// # Errors
+    /// A coefficient that is out of its range.
     pub fn validate_friction(&self) -> Result<(), ParameterError> {
         let mut tunable = parameters::<_, ()>().filter(Setting::is_tunable);
         tunable.try_for_each(|parameter| parameter.check(self))?;
@@ -81,19 +92,21 @@ impl Parameters {
         })
     }
 
-    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if
-    /// both are off those of the default ring on the same side: stiffness and mass then belong to
-    /// other layers. One alone may be intended, as in a limit case of theory.
-    pub(crate) fn steel_of_other_layers(&self) -> Option<(f64, f64)> {
+    /// The ring's steel as it follows from the layers, if modulus and density are both larger or
+    /// both smaller than those of the default ring: stiffness and mass then belong to other layers.
+    /// One alone may be intended, as in a limit case of theory.
+    pub(crate) fn steel_of_other_layers(&self) -> Option<Steel> {
         let steel = |of: &Self| {
             let area = 2.0 * f64::from(of.layers.count) * of.layers.width * of.layers.thickness;
-            [of.ring.axial_stiffness / area, of.ring.mass_per_length / area]
+            Steel {
+                modulus: of.ring.axial_stiffness / area,
+                density: of.ring.mass_per_length / area,
+            }
         };
-        let [modulus, density] = steel(self);
-        let [usual_modulus, usual_density] = steel(&Self::default());
-        let (stiff, heavy) = (modulus / usual_modulus, density / usual_density);
-        let off = stiff.max(heavy) < 1.0 - STEEL_SCATTER || stiff.min(heavy) > 1.0 + STEEL_SCATTER;
-        (modulus.is_finite() && off).then_some((modulus, density))
+        let (own, usual) = (steel(self), steel(&Self::default()));
+        let (stiff, heavy) = (own.modulus / usual.modulus, own.density / usual.density);
+        let differs = stiff.max(heavy) < 1.0 - STEEL_SCATTER || stiff.min(heavy) > 1.0 + STEEL_SCATTER;
+        (own.modulus.is_finite() && differs).then_some(own)
     }
 
     /// Below the friction angle a sheave clamps the elements and never releases them.
@@ -109,6 +122,9 @@ impl Parameters {
 
     /// Checks that at ratio 1 the belt reaches around both pulleys, that these do not touch, and
     /// that the end play is small.
+    ///
+    /// # Errors
+    /// `geometry.beltLength` or `belt.play`.
     pub fn validate_belt(&self) -> Result<(), ParameterError> {
         let distance = self.geometry.center_distance;
         let length = self.geometry.belt_length;
@@ -138,7 +154,7 @@ impl Parameters {
             require(least < most, min, least, || format!("below {max} = {most}"))?;
         }
         let ratio = self.initial.ratio;
-        let (lowest, highest) = self.ratio_range();
+        let (lowest, highest) = self.ratio_range().into_inner();
         let fits = lowest < highest && (lowest / BEYOND_STOP..=highest * BEYOND_STOP).contains(&ratio);
         require(fits, "initial.ratio", ratio, || {
             if lowest < highest {
@@ -149,34 +165,35 @@ impl Parameters {
         })
     }
 
-    /// Ratios at which the unloaded belt meets the end stops, the lowest and the highest.
-    pub fn ratio_range(&self) -> (f64, f64) {
+    /// Ratios of the unloaded belt between the end stops.
+    #[must_use]
+    pub fn ratio_range(&self) -> RangeInclusive<f64> {
         let (p, s) = (&self.primary, &self.secondary);
         // A ratio at which no belt closes is an extreme one.
         let is_too_low = |ratio: f64| match self.pitch_radii(ratio) {
-            Some((primary, secondary)) => primary > p.max_radius || secondary < s.min_radius,
+            Some(radii) => radii.primary > p.max_radius || radii.secondary < s.min_radius,
             None => ratio <= 1.0,
         };
         let is_not_too_high = |ratio: f64| match self.pitch_radii(ratio) {
-            Some((primary, secondary)) => primary >= p.min_radius && secondary <= s.max_radius,
+            Some(radii) => radii.primary >= p.min_radius && radii.secondary <= s.max_radius,
             None => ratio < 1.0,
         };
-        let range = [0.01_f64, 100.0].map(f64::ln);
-        let boundary =
-            |is_below: &dyn Fn(f64) -> bool| bisected(range, |log_ratio| is_below(log_ratio.exp())).exp();
-        (boundary(&is_too_low), boundary(&is_not_too_high))
+        let boundary = |is_below: &dyn Fn(f64) -> bool| {
+            bisected(0.01_f64.ln()..=100.0_f64.ln(), |log_ratio| is_below(log_ratio.exp())).exp()
+        };
+        boundary(&is_too_low)..=boundary(&is_not_too_high)
     }
 
-    /// Pitch radii (primary, secondary) at a ratio, m.
-    pub fn pitch_radii(&self, ratio: f64) -> Option<(f64, f64)> {
+    /// Pitch radii at a ratio, m, if the belt closes there.
+    #[must_use]
+    pub fn pitch_radii(&self, ratio: f64) -> Option<PerPulley<f64>> {
         let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
         let (primary, secondary) = curve.radii(ratio).ok()?;
-        let offset = self.pitch_offset();
-        Some((primary - offset, secondary - offset))
+        Some(PerPulley { primary, secondary }.map(|radius| radius - self.pitch_offset()))
     }
 }
 
-/// The error of a value for which a rule does not hold.
+/// The error of a value against a rule.
 fn require(
     holds: bool,
     variable: &'static str,
@@ -187,8 +204,9 @@ fn require(
     if holds { Ok(()) } else { Err(error()) }
 }
 
-/// The place between two others up to which `is_below` holds, by bisection.
-pub fn bisected([mut low, mut high]: [f64; 2], mut is_below: impl FnMut(f64) -> bool) -> f64 {
+/// The value in a range up to which `is_below` holds, by bisection.
+pub fn bisected(range: RangeInclusive<f64>, mut is_below: impl FnMut(f64) -> bool) -> f64 {
+    let (mut low, mut high) = range.into_inner();
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         *(if is_below(middle) { &mut low } else { &mut high }) = middle;
@@ -197,7 +215,10 @@ pub fn bisected([mut low, mut high]: [f64; 2], mut is_below: impl FnMut(f64) -> 
 }
 
 impl Inputs {
-    /// Checks every input against its range; returns the first that is out of it.
+    /// Checks every input against its range.
+    ///
+    /// # Errors
+    /// The first input that is out of its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
         inputs::<_, ()>().try_for_each(|input| input.check(self))
     }
@@ -205,11 +226,11 @@ impl Inputs {
     /// Checks that rates of inputs are finite.
     pub(crate) fn validate_rates(&self) -> Result<(), ParameterError> {
         let mut rates = INPUTS.into_iter().zip(self.values());
-        let Some(((name, ..), rate)) = rates.find(|(_, rate)| !rate.is_finite()) else {
+        let Some((input, rate)) = rates.find(|(_, rate)| !rate.is_finite()) else {
             return Ok(());
         };
         Err(ParameterError::new(
-            format!("the derivative of {name}"),
+            format!("the derivative of {}", input.name),
             rate,
             "a finite number",
         ))
@@ -225,8 +246,8 @@ mod tests {
         let mut parameters = Parameters::default();
         assert_eq!(parameters.steel_of_other_layers(), None);
         parameters.layers.count = 10;
-        let (modulus, density) = parameters.steel_of_other_layers().expect("a layer more");
-        assert!((modulus - 1.672e11).abs() < 1e9 && (density - 7207.0).abs() < 1.0);
+        let steel = parameters.steel_of_other_layers().expect("a layer more");
+        assert!((steel.modulus - 1.672e11).abs() < 1e9 && (steel.density - 7207.0).abs() < 1.0);
         parameters.ring.axial_stiffness *= 10.0 / 9.0;
         parameters.ring.mass_per_length *= 10.0 / 9.0;
         assert_eq!(parameters.steel_of_other_layers(), None);

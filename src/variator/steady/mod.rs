@@ -1,8 +1,8 @@
 //! Steady states, solved for directly.
 //!
-//! The numbers of this search: "half" and "twice" are the changes of Jacobians and residuals, %,
-//! with half and twice the number, over forty random starts of `ALE0`, a third of them beyond
-//! capacity. Up to 2 % is noise. The same states are found.
+//! "Half" and "twice": changes of Jacobians and residuals, %, with half and twice the number, over
+//! forty random starts of `ALE0`, a third of them beyond capacity. Up to 2 % is noise. The same
+//! states are found.
 
 mod refine;
 pub mod solve;
@@ -11,9 +11,8 @@ pub mod start;
 /// First pseudo-time step, s. Half: +3, +4; twice: -2, -2, over 110 random starts, nine load cases
 /// and two maps.
 const FIRST_PSEUDO_STEP: f64 = 1.0e-3;
-/// Pseudo-time step from which on the friction velocity is reduced, and which is kept meanwhile, s.
-/// With [`FIRST_PSEUDO_STEP`] instead, one start in a hundred is not found. Half: -1, -2; twice:
-/// +1, +1, over the same.
+/// Pseudo-time step during the reduction of the friction velocity, s. With [`FIRST_PSEUDO_STEP`]
+/// instead, one start in a hundred is not found. Half: -1, -2; twice: +1, +1, over the same.
 const HOMOTOPY_STEP: f64 = 5.0e-3;
 /// Time from which the state counts as steady, s: a belt revolution lasts 0.05 s, a ratio change
 /// some seconds. Half and twice: 0, 0.
@@ -22,10 +21,9 @@ const STEADY_TIME: f64 = 200.0;
 /// (no play, stiff belts, no oil) most states are not found.
 const MOST_SOLVES: usize = 400;
 
-/// Regularisation homotopy: friction velocity that the solution starts with, m/s, and the factor of
-/// each reduction, down to the specified one. At first, stick and slip are one smooth law, and
-/// Newton's method does not alternate between them. Half (0.2): -2, -2 (-2, -1); twice (0.63): -1,
-/// 0 (+1, 0).
+/// Regularisation homotopy: first friction velocity, m/s, and factor of each reduction, down to the
+/// specified one. At first, stick and slip are one smooth law, and Newton's method does not
+/// alternate between them. Half (0.2): -2, -2 (-2, -1); twice (0.63): -1, 0 (+1, 0).
 const HOMOTOPY_VELOCITY: f64 = 0.05;
 const VELOCITY_REDUCTION: f64 = 0.4;
 
@@ -34,16 +32,17 @@ const VELOCITY_REDUCTION: f64 = 0.4;
 /// not found. Half: -5, -6; twice: +7, +8.
 const FIRM: f64 = 1.0e4;
 
-/// Slip of a shaft whose speed is solved for, beyond which its pulley has run away: only drag would
-/// limit its speed, at many times the specified one. Without it, half of the starts beyond capacity
-/// end in such a state. Half: -4, -3; twice: -1, +1.
+/// Slip of a shaft whose speed is solved for, beyond which its pulley has run away: only drag
+/// limits its speed, at many times the specified one. Without it, half of the starts beyond
+/// capacity end so. Half: -4, -3; twice: -1, +1.
 const RUN_AWAY: f64 = 0.3;
 
 /// Time in which the set point of Θ is corrected, s. Half: -2, -1; twice: -1, -1.
 const RATIO_TIME: f64 = 0.2;
 
 /// Fewest elements of an arc and of a strand on a coarse mesh.
-const FEWEST: [i32; 2] = [6, 3];
+const FEWEST_ON_ARC: i32 = 6;
+const FEWEST_ON_STRAND: i32 = 3;
 
 /// Relative force error of an equilibrium. Half and twice: 0, 0.
 const FORCE_ERROR: f64 = 1.0e-6;

@@ -1,17 +1,17 @@
 //! A steady state on a coarse mesh as the start on a fine one.
 //!
 //! A solution from the kinematic state mainly determines which elements stick, slide and separate.
-//! A mesh with half the elements gives nearly the same result, and with one cell per element its
+//! A mesh with half the elements and one cell in each gives nearly the same result, and its
 //! Jacobian costs a quarter.
 
+use super::{FEWEST_ON_ARC, FEWEST_ON_STRAND};
 use crate::reference_curve::ReferenceCurve;
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
 use crate::solver::State;
 use crate::variator::belt::Belt;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
-use crate::variator::settings::parameters::{Mesh, Parameters};
-use crate::variator::steady::FEWEST;
+use crate::variator::settings::{Mesh, Parameters};
 
 /// Parameters with half the elements and one cell in each; none if a belt needs more.
 pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
@@ -23,7 +23,8 @@ pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
         strand: fine.strand / 2,
         cells_per_element: 1,
     };
-    let enough = mesh.primary_arc.min(mesh.secondary_arc) >= FEWEST[0] && mesh.strand >= FEWEST[1];
+    let arc = mesh.primary_arc.min(mesh.secondary_arc);
+    let enough = arc >= FEWEST_ON_ARC && mesh.strand >= FEWEST_ON_STRAND;
     enough.then(|| Parameters {
         mesh,
         ..parameters.clone()
@@ -32,8 +33,8 @@ pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
 
 /// Writes the fields of `from`, a state of the coarse `belt` found from its `kinematic` one, into
 /// `state`, a kinematic state of the `fine` belt, whose sum of element contents is kept.
-pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, state: &mut State) {
-    let content: f64 = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
+pub(super) fn prolong(belt: &Belt, kinematic: &State, from: &State, fine: &Belt, state: &mut State) {
+    let content: f64 = fine.cells_at.iter().map(|cell| state.y[cell.content]).sum();
     let globals = |belt: &Belt| belt.layout.drift()..belt.layout.len();
     state.y_dot.fill(0.0);
     for (to, of) in globals(fine).zip(globals(belt)) {
@@ -41,50 +42,57 @@ pub(super) fn prolong(belt: &Belt, [kinematic, from]: [&State; 2], fine: &Belt, 
     }
     prolong_nodes(belt, from, fine, state);
     for cell in 0..fine.mesh.cells.len() {
-        let (of, along) = find_cell(&belt.mesh, &fine.mesh, cell, 0.0);
-        let between = |left: usize, right: usize| from.y[left] * (1.0 - along) + from.y[right] * along;
+        let MeshPosition { index, fraction } = find_cell(&belt.mesh, &fine.mesh, cell, 0.0);
+        let between = |left: usize, right: usize| from.y[left] * (1.0 - fraction) + from.y[right] * fraction;
         let [layout, coarse] = [&fine.layout, &belt.layout];
-        state.y[layout.belt_speed(cell)] = between(coarse.belt_speed(of), coarse.belt_speed(of + 1));
+        state.y[layout.belt_speed(cell)] = between(coarse.belt_speed(index), coarse.belt_speed(index + 1));
         if layout.has_tension() {
-            state.y[layout.tension(cell)] = between(coarse.tension(of), coarse.tension(of + 1));
+            state.y[layout.tension(cell)] = between(coarse.tension(index), coarse.tension(index + 1));
         }
     }
     if fine.law.is_pull_chain() {
         return;
     }
-    // Cells of an element share its length in the kinematic state, so contents are in proportion to
-    // its.
+    // In the kinematic state cells share an element's length, so contents scale with its.
     for (cell, at) in fine.cells_at.iter().enumerate() {
-        let of = belt.layout.content(find_cell(&belt.mesh, &fine.mesh, cell, 0.5).0);
-        state.y[at.content] *= from.y[of] / kinematic.y[of];
+        let coarse = belt.layout.content(find_cell(&belt.mesh, &fine.mesh, cell, 0.5).index);
+        state.y[at.content] *= from.y[coarse] / kinematic.y[coarse];
     }
-    let sum: f64 = fine.cells_at.iter().map(|at| state.y[at.content]).sum();
-    for at in &fine.cells_at {
-        state.y[at.content] *= content / sum;
+    let sum: f64 = fine.cells_at.iter().map(|cell| state.y[cell.content]).sum();
+    for cell in &fine.cells_at {
+        state.y[cell.content] *= content / sum;
     }
 }
 
-/// Element of a coarse mesh at a place `along` a cell of the `fine` mesh, and the place along it,
-/// from 0 to 1.
-fn find_element(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, along: f64) -> (usize, f64) {
+/// Index of an element or a cell, and position along it, from 0 to 1.
+struct MeshPosition {
+    index: usize,
+    fraction: f64,
+}
+
+/// Element of a coarse mesh at the position `fraction` along a cell of the `fine` mesh.
+fn find_element(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, fraction: f64) -> MeshPosition {
     let of_fine = fine.cells_per_element;
     let Element {
         segment,
         start,
         length,
     } = fine.elements[cell / of_fine];
-    let along = ((cell % of_fine) as f64 + along) / of_fine as f64;
-    find(&coarse.elements, segment, start + length * along)
+    let fraction = ((cell % of_fine) as f64 + fraction) / of_fine as f64;
+    let (index, fraction) = find(&coarse.elements, segment, start + length * fraction);
+    MeshPosition { index, fraction }
 }
 
-/// Cell of a coarse mesh at a place `along` a cell of the `fine` mesh, and the place along it, from
-/// 0 to 1.
-fn find_cell(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, along: f64) -> (usize, f64) {
-    let (element, along) = find_element(coarse, fine, cell, along);
+/// The same for a cell of the coarse mesh.
+fn find_cell(coarse: &BeltMesh, fine: &BeltMesh, cell: usize, fraction: f64) -> MeshPosition {
+    let element = find_element(coarse, fine, cell, fraction);
     let cells = coarse.cells_per_element;
-    let along = along * cells as f64;
-    let within = (along as usize).min(cells - 1);
-    (element * cells + within, along - within as f64)
+    let position = element.fraction * cells as f64;
+    let in_element = (position as usize).min(cells - 1);
+    MeshPosition {
+        index: element.index * cells + in_element,
+        fraction: position - in_element as f64,
+    }
 }
 
 /// Nodes on the cubics of the coarse mesh.
@@ -95,19 +103,19 @@ fn prolong_nodes(belt: &Belt, from: &State, fine: &Belt, state: &mut State) {
     let frame = belt.curve.frame(belt.theta(from.view()));
     for node in 0..fine.layout.elements {
         let cell = node * fine.mesh.cells_per_element;
-        let (element, along) = find_element(&belt.mesh, &fine.mesh, cell, 0.0);
-        let length = belt.element_length(&frame, element);
-        let shape = Hermite::<f64>::new(2.0 * along - 1.0);
-        for (to, of) in [(&mut state.q, &from.q), (&mut state.y, &from.y)] {
+        let MeshPosition { index, fraction } = find_element(&belt.mesh, &fine.mesh, cell, 0.0);
+        let length = belt.element_length(&frame, index);
+        let shape = Hermite::<f64>::new(2.0 * fraction - 1.0);
+        for (to, from) in [(&mut state.q, &from.q), (&mut state.y, &from.y)] {
             for k in 0..fine.layout.components {
-                let [left, right] = [element, element + 1].map(|node| {
-                    let [a, b] = [0, 1].map(|slope| of[belt.layout.node(node, 2 * k + slope)]);
+                let [left, right] = [index, index + 1].map(|node| {
+                    let [a, b] = [0, 1].map(|slope| from[belt.layout.node(node, 2 * k + slope)]);
                     [a, b * length]
                 });
-                let along =
+                let interpolated =
                     |w: &[f64; 4]| left[0] * w[0] + left[1] * w[1] + right[0] * w[2] + right[1] * w[3];
-                to[fine.layout.node(node, 2 * k)] = along(&shape.n);
-                to[fine.layout.node(node, 2 * k + 1)] = along(&shape.dn) * 2.0 / length;
+                to[fine.layout.node(node, 2 * k)] = interpolated(&shape.n);
+                to[fine.layout.node(node, 2 * k + 1)] = interpolated(&shape.dn) * 2.0 / length;
             }
         }
     }

@@ -1,10 +1,15 @@
 //! Steady states, solved directly: in the Eulerian description they are fixed points.
 //!
-//! Pseudo-transient continuation from the kinematic state. A stiff spring on Θ holds the ratio.
-//! After each step its force is moved to the reaction, and its set point until the
-//! pressure-weighted radii have the specified ratio. A solution from the kinematic state starts on
-//! a coarse mesh (`refine`).
+//! Pseudo-transient continuation from the kinematic state, on a coarse mesh at first (`refine`). A
+//! stiff spring on Θ holds the ratio. After each step its force is moved to the reaction, and its
+//! set point until the pressure-weighted radii have the specified ratio.
 
+use super::refine::{coarser, prolong};
+use super::start::{Start, kinematic_state};
+use super::{
+    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME,
+    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
+};
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
 use crate::solver::continuation::{ContinuationSettings, NotSteady, Trial, continue_to_steady};
@@ -13,15 +18,9 @@ use crate::solver::{State, View};
 use crate::variator::belt::Belt;
 use crate::variator::diagnostics::belt::BeltDiagnostics;
 use crate::variator::pulleys::loads::{Boundary, FORCE_TIME, Loads, ShaftMode, SheaveMode};
-use crate::variator::settings::Inputs;
-use crate::variator::settings::parameters::Parameters;
-use crate::variator::steady::refine::{coarser, prolong};
-use crate::variator::steady::start::{Start, kinematic_state};
-use crate::variator::steady::{
-    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME,
-    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
-};
+use crate::variator::settings::{Inputs, Parameters};
 use crate::variator::system::VariatorSystem;
+use std::ops::RangeInclusive;
 
 /// A steady state to find.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +33,7 @@ pub struct SteadyTask {
     pub clamping: PerPulley<f64>,
     /// Conditions of the shafts.
     pub shaft: PerPulley<ShaftMode>,
-    /// The initial state is a neighbouring steady one, so the belt already grips.
+    /// Whether the initial state is a neighbouring steady one, so the belt already grips.
     pub warm: bool,
 }
 
@@ -45,8 +44,7 @@ impl SteadyTask {
     }
 }
 
-/// Solves for steady states of a system, which is then under the boundary conditions of the last
-/// one.
+/// Solves for steady states of a system, which is then under their boundary conditions.
 #[derive(Debug)]
 pub struct SteadySolver<'a> {
     /// Equations.
@@ -56,9 +54,11 @@ pub struct SteadySolver<'a> {
 }
 
 impl SteadySolver<'_> {
-    /// Finds the steady state from `state`, in place: the last one solved, if there is no steady
-    /// state near by. From a kinematic state by way of a coarse mesh, else of a firmer clamping
-    /// force, else directly, which reverse running needs.
+    /// Finds the steady state from `state`, in place. From a kinematic state by way of a coarse
+    /// mesh, else of a firmer clamping force, else directly, which reverse running needs.
+    ///
+    /// # Errors
+    /// There is no steady state near by; `state` is the last one solved.
     pub fn solve(&mut self, state: &mut State, task: &SteadyTask) -> Result<(), NotSteady> {
         let own = self.system.parameters.friction.velocity;
         if task.warm {
@@ -100,17 +100,17 @@ impl SteadySolver<'_> {
         let mut coarse = VariatorSystem::with_ring(parameters, system.belt.ring.clone());
         let speeds = system.belt.shaft_speeds(state.view());
         let kinematic = cold_start(&coarse, task, speeds).map_err(|_| NotSteady::default())?;
-        let (mut found, mut of_coarse) = (kinematic.clone(), Newton::new(&coarse));
-        of_coarse.bound = newton.bound;
+        let (mut found, mut coarse_newton) = (kinematic.clone(), Newton::new(&coarse));
+        coarse_newton.bound = newton.bound;
         let mut solver = SteadySolver {
             system: &mut coarse,
-            newton: &mut of_coarse,
+            newton: &mut coarse_newton,
         };
         let settled = solver.solve(&mut found, task);
-        newton.counts += of_coarse.counts;
-        newton.bound = of_coarse.bound;
+        newton.counts += coarse_newton.counts;
+        newton.bound = coarse_newton.bound;
         if settled.is_ok() {
-            prolong(&coarse.belt, [&kinematic, &found], &system.belt, state);
+            prolong(&coarse.belt, &kinematic, &found, &system.belt, state);
         }
         settled
     }
@@ -128,13 +128,16 @@ impl SteadySolver<'_> {
 
     /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady
     /// state at the task's ratio: secant method on ln(force/reaction) over ln(ratio). At an end of
-    /// `range`, where the sheaves are near their stops, they are released under the clamping
+    /// `ratios`, where the sheaves are near their stops, they are released under the clamping
     /// forces, and come to rest against a stop. Returns whether they do.
+    ///
+    /// # Errors
+    /// There is no such state.
     pub fn balance(
         &mut self,
         state: &mut State,
         task: &SteadyTask,
-        range: (f64, f64),
+        ratios: &RangeInclusive<f64>,
     ) -> Result<bool, NotSteady> {
         let defect = |system: &VariatorSystem, state: &State| {
             let passive = system.pulleys().passive_force(task.reaction, state.view());
@@ -152,7 +155,7 @@ impl SteadySolver<'_> {
         for _ in 0..MOST_SOLVES {
             let balances = f.abs() < FORCE_ERROR;
             let wanted = x - f / slope;
-            let next = wanted.clamp(range.0.ln(), range.1.ln());
+            let next = wanted.clamp(ratios.start().ln(), ratios.end().ln());
             let is_at_end = next == x && next != wanted;
             if is_at_end && !balances {
                 let sheave = task.clamping.map(SheaveMode::Force);
@@ -167,18 +170,18 @@ impl SteadySolver<'_> {
                 let rests = |pulley| pulleys.stop_reached(pulley, state.view()).is_some();
                 return Ok(Pulley::BOTH.into_iter().any(rests));
             }
-            let there = SteadyTask {
+            let next_task = SteadyTask {
                 ratio: next.exp(),
                 ..*task
             };
             let mut speeds = self.system.belt.shaft_speeds(state.view());
             if task.shaft.secondary != ShaftMode::Fixed {
-                speeds.secondary = speeds.primary / there.ratio;
+                speeds.secondary = speeds.primary / next_task.ratio;
             }
-            if let Ok(kinematic) = cold_start(self.system, &there, speeds) {
+            if let Ok(kinematic) = cold_start(self.system, &next_task, speeds) {
                 *state = kinematic;
             }
-            self.solve(state, &there)?;
+            self.solve(state, &next_task)?;
             let reached = defect(self.system, state);
             let secant = (reached - f) / (next - x);
             if secant * slope > 0.0 {
@@ -216,7 +219,7 @@ fn cold_start(
     let belt = &system.belt;
     let passive = system
         .parameters
-        .total_clamping_forces(&Inputs::ZERO, [task.ratio, speeds.primary]);
+        .total_clamping_forces(&Inputs::ZERO, task.ratio, speeds.primary);
     let start = Start {
         ratio: task.ratio,
         primary_speed: speeds.primary,
@@ -229,16 +232,15 @@ fn cold_start(
     Ok(state)
 }
 
-/// Quantities that change during the solution: the reaction, the set point of Θ, the conditions of
-/// the shafts, the friction velocity.
+/// Quantities that change during the solution.
 struct Control<'a> {
     task: &'a SteadyTask,
     /// Clamping forces, N; the reaction's follows the force that holds the sheave.
     clamping: PerPulley<f64>,
     /// Set point of Θ.
     theta: f64,
-    /// Whether the belt grips. Before, both speeds are kept: torque on a belt that does not yet
-    /// grip leads to the branch on which a pulley slips permanently.
+    /// Whether the belt grips. Before, both speeds are kept: torque on a belt that does not grip
+    /// leads to the branch on which a pulley slips permanently.
     gripping: bool,
 }
 
@@ -281,8 +283,7 @@ impl<'a> Control<'a> {
         if self.gripping && !self.task.is_held() && runs_away(&system.belt, trial, present) {
             return None;
         }
-        // Slower than the belt settles: otherwise the two integral corrections oscillate with
-        // growing amplitude.
+        // Faster than the belt settles, the two integral corrections would oscillate and grow.
         let gain = |time: f64| (trial.step / time).min(1.0);
         let reaction = self.task.reaction;
         let holding = system
@@ -306,7 +307,7 @@ impl<'a> Control<'a> {
 }
 
 /// Whether the slip at the geometric ratio `ratio` grows beyond that of a pulley that has run away.
-/// With a poor first guess of a speed the slip may be as large, but it decreases.
+/// After a poor first guess of a speed it may be as large, but decreases.
 fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
     let slip = |view| {
         let speeds = belt.shaft_speeds(view);

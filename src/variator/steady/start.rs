@@ -1,7 +1,7 @@
 //! The kinematic state that runs and steady solutions start from: belt on the reference curve, no
-//! stretch, no push force, penetrations that balance the clamping forces. A start with the closed
-//! form of a belt whose arcs transmit evenly (strand forces, uniform stretch, push force) was
-//! tried: it needs as many Newton iterations.
+//! stretch, no push force, penetrations that balance the clamping forces. The closed form of a belt
+//! whose arcs transmit evenly (strand forces, uniform stretch, push force) needs as many Newton
+//! iterations.
 
 use crate::pulley::{PerPulley, Pulley, Wedge};
 use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
@@ -21,7 +21,10 @@ pub struct Start {
     pub clamping: PerPulley<f64>,
 }
 
-/// The kinematic state, if the belt closes at this ratio.
+/// The kinematic state.
+///
+/// # Errors
+/// The belt does not close at this ratio.
 pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryError> {
     let layout = &belt.layout;
     let mut state = State::zero(layout.len());

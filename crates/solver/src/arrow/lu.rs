@@ -4,7 +4,7 @@
 //! and memory are linear in n: O(n (b+g)² b). Pivoting is inside a block.
 
 use super::super::kernels::{Update, gemm, gemv, invert};
-use super::{Arrow, Parts, Shape, block, from_places, to_places};
+use super::{Arrow, Parts, Shape, block, to_matrix_order, to_vector_order};
 use pushbelt_archive::Archive;
 
 /// A pivot block was singular.
@@ -20,11 +20,9 @@ pub struct Singular {
 #[derive(Clone, Debug)]
 pub struct ArrowLu {
     shape: Shape,
-    /// D_k⁻¹: a product with it waits for nothing, where two triangular solutions wait for each
-    /// unknown in turn.
+    /// D_k⁻¹: its products have no dependent operations, unlike two triangular solutions.
     inverses: Vec<f64>,
-    /// L_{k+1} D_k⁻¹ at k + 1: what elimination takes from a block to the next, so that it needn't
-    /// wait for D_k⁻¹.
+    /// L_{k+1} D_k⁻¹ at k + 1: eliminating the next block does not wait for D_k⁻¹.
     lower: Vec<f64>,
     /// D_k⁻¹ [U_k | border columns], b×(b+w) each.
     solved: Vec<f64>,
@@ -37,15 +35,15 @@ pub struct ArrowLu {
     next_border: Vec<f64>,
     work: Vec<f64>,
     tail: Vec<f64>,
-    /// Of the matrix that was factored.
+    /// Order of the matrix that was factored.
     order: Vec<usize>,
     /// A right-hand side in that order.
     ordered: Vec<f64>,
 }
 
-/// Calls a method for the size of a block, B, and of the border together with block 0, W, as
-/// constants: those of belts in the plane and in space, and of a planar ring alone. 0 stands for
-/// any other size. Each size takes 20 kB of an FMU for two machines.
+/// Calls a method with the sizes of a block, B, and of the border together with block 0, W, as
+/// constants: those of belts in the plane and in space, and of a planar ring alone, else 0. Each
+/// size takes 20 kB of an FMU for two machines.
 macro_rules! for_size {
     ($lu:expr, $method:ident($argument:expr)) => {
         match ($lu.shape.block, $lu.shape.border) {
@@ -103,20 +101,26 @@ impl ArrowLu {
         for_size!(self, factor_sized(a))
     }
 
-    /// Sizes of a block, and of block 0 together with the border: constants if B > 0.
+    /// Size of a block: a constant if B > 0.
     #[inline(always)]
-    fn sizes<const B: usize, const W: usize>(&self) -> [usize; 2] {
-        if B > 0 {
-            [B, W]
+    fn block_size<const B: usize>(&self) -> usize {
+        if B > 0 { B } else { self.shape.block }
+    }
+
+    /// Size of block 0 together with the border: a constant if W > 0.
+    #[inline(always)]
+    fn border_size<const W: usize>(&self) -> usize {
+        if W > 0 {
+            W
         } else {
-            [self.shape.block, self.shape.block + self.shape.border]
+            self.shape.block + self.shape.border
         }
     }
 
     /// [`ArrowLu::factor`] for one size.
     fn factor_sized<const B: usize, const W: usize>(&mut self, a: &Arrow) -> Result<(), Singular> {
         let n = self.shape.blocks;
-        let [b, _] = self.sizes::<B, W>();
+        let b = self.block_size::<B>();
         self.order.copy_from_slice(&a.order);
         let a = a.parts();
         self.copy_border(&a);
@@ -149,20 +153,20 @@ impl ArrowLu {
     /// Copies the rows and the columns of block 0 and of the border at block k.
     #[inline(always)]
     fn load<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) {
-        let [b, w] = self.sizes::<B, W>();
+        let (b, w) = (self.block_size::<B>(), self.border_size::<W>());
         let (n, g) = (self.shape.blocks, w - b);
         let rows = &mut self.rows[k * b * w..(k + 1) * b * w];
         for (j, column) in rows.chunks_exact_mut(w).enumerate() {
             column[..b].fill(0.0);
             column[b..].copy_from_slice(block(a.bottom, k * b + j, g));
         }
-        let (of_block, of_border) = self.next_border[..b * w].split_at_mut(b * b);
-        of_block.fill(0.0);
-        of_border.copy_from_slice(block(a.right, k, b * g));
+        let (block_0, border) = self.next_border[..b * w].split_at_mut(b * b);
+        block_0.fill(0.0);
+        border.copy_from_slice(block(a.right, k, b * g));
         // Block 0 has neighbours on both sides.
         for (neighbour, row, column) in [(1, a.upper, a.lower), (n - 1, a.lower, a.upper)] {
             if k == neighbour {
-                add(of_block, block(column, k, b * b));
+                add(block_0, block(column, k, b * b));
                 for (to, part) in rows.chunks_exact_mut(w).zip(row.chunks_exact(b)) {
                     add(&mut to[..b], part);
                 }
@@ -174,7 +178,7 @@ impl ArrowLu {
     /// border.
     #[inline(always)]
     fn eliminate<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) -> Result<(), Singular> {
-        let [b, w] = self.sizes::<B, W>();
+        let (b, w) = (self.block_size::<B>(), self.border_size::<W>());
         let has_next = k + 1 < self.shape.blocks;
         let (upper, border) = self.columns[..b * (b + w)].split_at_mut(b * b);
         border.copy_from_slice(&self.next_border[..b * w]);
@@ -190,41 +194,41 @@ impl ArrowLu {
             return Err(Singular { block: k });
         }
         let solved = &mut self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
-        gemm::<B, B>(Update::Set, [b, b], inverse, &self.columns, solved);
+        gemm::<B, B>(Update::Set, b, b, inverse, &self.columns, solved);
         let (x_upper, x_border) = solved.split_at(b * b);
         let (done, rest) = self.rows.split_at_mut((k + 1) * b * w);
         let row = &done[k * b * w..];
-        gemm::<W, B>(Update::Subtract, [w, b], row, x_border, &mut self.border);
+        gemm::<W, B>(Update::Subtract, w, b, row, x_border, &mut self.border);
         if has_next {
-            gemm::<W, B>(Update::Subtract, [w, b], row, x_upper, &mut rest[..b * w]);
+            gemm::<W, B>(Update::Subtract, w, b, row, x_upper, &mut rest[..b * w]);
             let lower = &mut self.lower[(k + 1) * b * b..(k + 2) * b * b];
-            gemm::<B, B>(Update::Set, [b, b], block(a.lower, k + 1, b * b), inverse, lower);
+            gemm::<B, B>(Update::Set, b, b, block(a.lower, k + 1, b * b), inverse, lower);
             let pivot = &mut pivots[..b * b];
             pivot.copy_from_slice(block(a.diagonal, k + 1, b * b));
             let (upper, border) = self.columns.split_at(b * b);
-            gemm::<B, B>(Update::Subtract, [b, b], lower, upper, pivot);
-            gemm::<B, B>(Update::Subtract, [b, b], lower, border, &mut self.next_border);
+            gemm::<B, B>(Update::Subtract, b, b, lower, upper, pivot);
+            gemm::<B, B>(Update::Subtract, b, b, lower, border, &mut self.next_border);
         }
         Ok(())
     }
 
     /// Replaces the right-hand side `x` by the solution.
     pub fn solve(&mut self, x: &mut [f64]) {
-        // A permutation that rises is that of the vector itself.
+        // A sorted permutation is the identity.
         if self.order.is_sorted() {
             return for_size!(self, solve_sized(x));
         }
         let mut ordered = std::mem::take(&mut self.ordered);
-        to_places(&self.order, x, &mut ordered);
+        to_matrix_order(&self.order, x, &mut ordered);
         for_size!(self, solve_sized(&mut ordered));
-        from_places(&self.order, &ordered, x);
+        to_vector_order(&self.order, &ordered, x);
         self.ordered = ordered;
     }
 
     /// Solves with factors of the same size.
     fn solve_sized<const B: usize, const W: usize>(&mut self, x: &mut [f64]) {
         let n = self.shape.blocks;
-        let [b, w] = self.sizes::<B, W>();
+        let (b, w) = (self.block_size::<B>(), self.border_size::<W>());
         self.tail[..b].copy_from_slice(&x[..b]);
         self.tail[b..].copy_from_slice(&x[n * b..]);
         for k in 1..n {

@@ -29,15 +29,15 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// n, b and g.
-    fn sizes(&self) -> [usize; 3] {
-        [self.blocks, self.block, self.border]
+    /// Index of the first border unknown, n·b.
+    fn split(&self) -> usize {
+        self.blocks * self.block
     }
 
     /// Number of unknowns n·b + g.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.blocks * self.block + self.border
+        self.split() + self.border
     }
 
     /// Whether there is no unknown.
@@ -46,36 +46,33 @@ impl Shape {
         self.len() == 0
     }
 
-    /// Starts of the parts in the storage of an [`Arrow`]: D, U, L, R, B, C, end. Each part holds
-    /// its blocks in order, a block its columns.
-    fn starts(&self) -> [usize; 7] {
-        let [n, b, g] = self.sizes();
-        let (square, strip) = (n * b * b, n * b * g);
-        let mut start = 0;
-        let mut next = |size: usize| {
-            start += size;
-            start - size
-        };
-        [square, square, square, strip, strip, g * g, 0].map(&mut next)
+    /// Number of entries of D, as of U and L.
+    fn square(&self) -> usize {
+        self.split() * self.block
     }
 
-    /// Place of an entry in the storage of an [`Arrow`], if it is in the band.
+    /// Number of entries of R, as of B.
+    fn strip(&self) -> usize {
+        self.split() * self.border
+    }
+
+    /// Index of an entry in the storage of an [`Arrow`], if it is in the band. The storage holds D,
+    /// U, L, R, B and C, each part its blocks in order, a block its columns.
     #[must_use]
     pub fn index(&self, row: usize, column: usize) -> Option<usize> {
-        let [n, b, g] = self.sizes();
-        let [d, u, l, r, s, c, _] = self.starts();
-        let split = n * b;
+        let (n, b, g) = (self.blocks, self.block, self.border);
+        let (square, strip, split) = (self.square(), self.strip(), self.split());
         let (row_block, i) = (row / b, row % b);
         let (column_block, j) = (column / b, column % b);
         let in_block = row_block * b * b + j * b + i;
         match (row < split, column < split) {
-            (true, true) if row_block == column_block => Some(d + in_block),
-            (true, true) if (row_block + 1) % n == column_block => Some(u + in_block),
-            (true, true) if (column_block + 1) % n == row_block => Some(l + in_block),
+            (true, true) if row_block == column_block => Some(in_block),
+            (true, true) if (row_block + 1) % n == column_block => Some(square + in_block),
+            (true, true) if (column_block + 1) % n == row_block => Some(2 * square + in_block),
             (true, true) => None,
-            (true, false) => Some(r + (row_block * g + column - split) * b + i),
-            (false, true) => Some(s + (column_block * b + j) * g + row - split),
-            (false, false) => Some(c + (column - split) * g + row - split),
+            (true, false) => Some(3 * square + (row_block * g + column - split) * b + i),
+            (false, true) => Some(3 * square + strip + (column_block * b + j) * g + row - split),
+            (false, false) => Some(3 * square + 2 * strip + (column - split) * g + row - split),
         }
     }
 }
@@ -86,7 +83,7 @@ impl Shape {
 pub struct Arrow {
     shape: Shape,
     values: Vec<f64>,
-    /// Place of each unknown of the vector.
+    /// Index in the matrix of each unknown of the vector.
     order: Vec<usize>,
 }
 
@@ -97,16 +94,16 @@ fn block(part: &[f64], k: usize, size: usize) -> &[f64] {
 }
 
 /// Brings a vector into the order of the matrix.
-fn to_places(order: &[usize], x: &[f64], ordered: &mut [f64]) {
-    for (&place, x) in order.iter().zip(x) {
-        ordered[place] = *x;
+fn to_matrix_order(order: &[usize], x: &[f64], ordered: &mut [f64]) {
+    for (&index, x) in order.iter().zip(x) {
+        ordered[index] = *x;
     }
 }
 
 /// Brings a vector from the order of the matrix into its own.
-fn from_places(order: &[usize], ordered: &[f64], x: &mut [f64]) {
-    for (&place, x) in order.iter().zip(x) {
-        *x = ordered[place];
+fn to_vector_order(order: &[usize], ordered: &[f64], x: &mut [f64]) {
+    for (&index, x) in order.iter().zip(x) {
+        *x = ordered[index];
     }
 }
 
@@ -130,12 +127,12 @@ impl Arrow {
         assert!(shape.blocks >= 3, "an arrow matrix needs three blocks");
         Self {
             shape,
-            values: vec![0.0; shape.starts()[6]],
+            values: vec![0.0; 3 * shape.square() + 2 * shape.strip() + shape.border * shape.border],
             order: (0..shape.len()).collect(),
         }
     }
 
-    /// Sets every entry to zero and gives unknown i of the vector the place `order[i]`, a
+    /// Sets every entry to zero and gives unknown i of the vector the index `order[i]`, a
     /// permutation that leaves the border where it is. Factors keep the order that they were made
     /// in.
     pub fn reorder(&mut self, order: &[usize]) {
@@ -143,7 +140,7 @@ impl Arrow {
         self.order.copy_from_slice(order);
     }
 
-    /// Place of an entry in the storage, if it is in the band.
+    /// Index of an entry in the storage, if it is in the band.
     #[inline]
     #[must_use]
     pub fn index(&self, row: usize, column: usize) -> Option<usize> {
@@ -157,14 +154,15 @@ impl Arrow {
     }
 
     fn parts(&self) -> Parts<'_> {
-        let [_, u, l, r, s, c, _] = self.shape.starts();
+        let (square, strip) = (self.shape.square(), self.shape.strip());
+        let (band, border) = self.values.split_at(3 * square);
         Parts {
-            diagonal: &self.values[..u],
-            upper: &self.values[u..l],
-            lower: &self.values[l..r],
-            right: &self.values[r..s],
-            bottom: &self.values[s..c],
-            corner: &self.values[c..],
+            diagonal: &band[..square],
+            upper: &band[square..2 * square],
+            lower: &band[2 * square..],
+            right: &border[..strip],
+            bottom: &border[strip..2 * strip],
+            corner: &border[2 * strip..],
         }
     }
 
@@ -182,13 +180,13 @@ impl Arrow {
         self.add_at(self.index(row, column).expect("an entry in the band"), value);
     }
 
-    /// Adds to the entry at a place that [`Shape::index`] or [`Arrow::index`] found.
+    /// Adds to the entry at an index that [`Shape::index`] or [`Arrow::index`] found.
     #[inline]
     pub fn add_at(&mut self, index: usize, value: f64) {
         self.values[index] += value;
     }
 
-    /// Adds to entries in N rows of a column and of a block, the first of which has that place.
+    /// Adds to entries in N rows of a column and of a block, the first of which has that index.
     #[inline(always)]
     pub fn add_run<const N: usize>(&mut self, index: usize, values: [f64; N]) {
         let run: &mut [f64; N] = self.values[index..].first_chunk_mut().expect("rows of a block");
@@ -199,7 +197,7 @@ impl Arrow {
 
     /// Replaces a row by a multiple of the unit row: `scale`·x_row.
     pub fn set_unit_row(&mut self, row: usize, scale: f64) {
-        if let Some(row) = row.checked_sub(self.shape.blocks * self.shape.block) {
+        if let Some(row) = row.checked_sub(self.shape.split()) {
             self.border_columns().for_each(|column| column[row] = 0.0);
         } else {
             for column in 0..self.shape.len() {
@@ -213,16 +211,16 @@ impl Arrow {
 
     /// The entries of the border rows, column by column in the order of the matrix.
     fn border_columns(&mut self) -> impl Iterator<Item = &mut [f64]> {
-        let bottom = self.shape.starts()[4];
+        let bottom = 3 * self.shape.square() + self.shape.strip();
         self.values[bottom..].chunks_exact_mut(self.shape.border)
     }
 
     /// Adds to all entries of a border row. Indices are those of the vector.
     pub fn add_to_border_row(&mut self, row: usize, values: impl Iterator<Item = f64>) {
-        let [n, b, g] = self.shape.sizes();
-        let start = self.shape.starts()[4] + row - n * b;
-        for (place, value) in self.order.iter().zip(values) {
-            self.values[start + place * g] += value;
+        let row = row - self.shape.split();
+        let start = 3 * self.shape.square() + self.shape.strip() + row;
+        for (index, value) in self.order.iter().zip(values) {
+            self.values[start + index * self.shape.border] += value;
         }
     }
 
@@ -231,8 +229,8 @@ impl Arrow {
     /// # Panics
     /// If an index is not in the border.
     pub fn add_row(&mut self, into: usize, from: usize, factor: f64) {
-        let [n, b, _] = self.shape.sizes();
-        let (into, from) = (into - n * b, from - n * b);
+        let split = self.shape.split();
+        let (into, from) = (into - split, from - split);
         for column in self.border_columns() {
             column[into] += factor * column[from];
         }
@@ -240,22 +238,26 @@ impl Arrow {
 
     /// `out` = A·`x`. Allocates.
     pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
-        let [n, b, g] = self.shape.sizes();
+        let Shape {
+            blocks: n,
+            block: b,
+            border: g,
+        } = self.shape;
         let a = self.parts();
         let (mut ordered, mut image) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        to_places(&self.order, x, &mut ordered);
+        to_matrix_order(&self.order, x, &mut ordered);
         let (x, border) = ordered.split_at(n * b);
-        let (y, of_border) = image.split_at_mut(n * b);
-        let any = gemv::<0, 0>;
+        let (y, border_image) = image.split_at_mut(n * b);
+        let add = |a: &[f64], x: &[f64], y: &mut [f64]| gemv::<0, 0>(Update::Add, a, x, y);
         for (k, y) in y.chunks_exact_mut(b).enumerate() {
-            let of = |k: usize| block(x, k % n, b);
-            any(Update::Add, block(a.diagonal, k, b * b), of(k), y);
-            any(Update::Add, block(a.upper, k, b * b), of(k + 1), y);
-            any(Update::Add, block(a.lower, k, b * b), of(k + n - 1), y);
-            any(Update::Add, block(a.right, k, b * g), border, y);
-            any(Update::Add, block(a.bottom, k, b * g), of(k), of_border);
+            let part = |k: usize| block(x, k % n, b);
+            add(block(a.diagonal, k, b * b), part(k), y);
+            add(block(a.upper, k, b * b), part(k + 1), y);
+            add(block(a.lower, k, b * b), part(k + n - 1), y);
+            add(block(a.right, k, b * g), border, y);
+            add(block(a.bottom, k, b * g), part(k), border_image);
         }
-        any(Update::Add, a.corner, border, of_border);
-        from_places(&self.order, &image, out);
+        add(a.corner, border, border_image);
+        to_vector_order(&self.order, &image, out);
     }
 }

@@ -1,7 +1,7 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
-use super::real::{EXP_CUTOFF, Real};
-use super::soft_tail::{soft_tail, to_exponent};
+use super::real::{EXP_CUTOFF, PositivePart, Real};
+use super::soft_tail::{SoftTail, soft_tail, to_exponent};
 use num_traits::{One, Zero};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 #[cfg(not(target_feature = "avx"))]
@@ -9,7 +9,7 @@ use wide::f64x2 as Pack;
 #[cfg(target_feature = "avx")]
 use wide::f64x4 as Pack;
 
-/// Numbers in a [`Lanes`]: as many as a register of the processor holds that is compiled for.
+/// Numbers in a [`Lanes`]: as many as a register of the target processor holds.
 pub const LANES: usize = if cfg!(target_feature = "avx") { 4 } else { 2 };
 
 /// [`LANES`] numbers.
@@ -34,7 +34,7 @@ impl Lanes {
     /// Writes the numbers to the start of a slice.
     #[inline(always)]
     pub fn write(self, to: &mut [f64]) {
-        *to.first_chunk_mut().expect("as many places as lanes") = self.to_array();
+        *to.first_chunk_mut().expect("as many numbers as lanes") = self.to_array();
     }
 
     /// As many packs as lanes with rows and columns exchanged.
@@ -64,14 +64,14 @@ impl Lanes {
         self.to_array().iter().sum()
     }
 
-    /// Lane by lane the smaller number; what is not a number stays so.
+    /// Lane by lane the smaller number; NaN stays NaN.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         Self(other.0.fast_min(self.0))
     }
 
-    /// Lane by lane the larger number; what is not a number stays so.
+    /// Lane by lane the larger number; NaN stays NaN.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
@@ -158,8 +158,7 @@ impl Real for Lanes {
 
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        // Lane by lane by the standard library: no law needs it in a step, and it is exact on the
-        // axes.
+        // By the standard library: no law needs it in a step, and it is exact on the axes.
         let (y, x) = (self.to_array(), x.to_array());
         Self::new(std::array::from_fn(|lane| y[lane].atan2(x[lane])))
     }
@@ -175,26 +174,30 @@ impl Real for Lanes {
     }
 
     #[inline(always)]
-    fn soft_plus(self, delta: f64) -> [Self; 3] {
+    fn soft_plus(self, delta: f64) -> PositivePart<Self> {
         let per = 1.0 / delta;
         let size = Self(self.0.abs()) * per;
         // Most cells in the strands are far from the sheaves.
-        let [tail, inverse, logarithm] = if size.0.simd_gt(Pack::splat(EXP_CUTOFF)).all() {
-            [
-                Self::from((-EXP_CUTOFF).exp()),
-                Self::one(),
-                Self::from((-EXP_CUTOFF).exp()),
-            ]
+        let tail = if size.0.simd_gt(Pack::splat(EXP_CUTOFF)).all() {
+            SoftTail {
+                exp: Self::from((-EXP_CUTOFF).exp()),
+                inverse: Self::one(),
+                log: Self::from((-EXP_CUTOFF).exp()),
+            }
         } else {
-            soft_tail(size.min(Self::from(EXP_CUTOFF)), |of| {
-                Self::new(of.to_array().map(to_exponent))
+            soft_tail(size.min(Self::from(EXP_CUTOFF)), |shifted| {
+                Self::new(shifted.to_array().map(to_exponent))
             })
         };
-        let plus = self.max(Self::zero()) + logarithm * delta;
-        let slope = self.if_positive(Self::one(), tail) * inverse;
+        let value = self.max(Self::zero()) + tail.log * delta;
+        let slope = self.if_positive(Self::one(), tail.exp) * tail.inverse;
         // 1 − slope without cancellation.
-        let rest = self.if_positive(tail, Self::one()) * inverse;
-        [plus, slope, slope * rest * per]
+        let rest = self.if_positive(tail.exp, Self::one()) * tail.inverse;
+        PositivePart {
+            value,
+            slope,
+            curvature: slope * rest * per,
+        }
     }
 
     #[inline(always)]
@@ -203,14 +206,18 @@ impl Real for Lanes {
     }
 
     #[inline(always)]
-    fn smooth_plus(self, delta: f64) -> [Self; 3] {
+    fn smooth_plus(self, delta: f64) -> PositivePart<Self> {
         let square = delta * delta;
         let root = (self * self + square).sqrt();
         let sum = root + Self(self.0.abs());
         let half = Self::from(0.5 * square);
         // One division for both quotients.
         let inverse = (sum * root).recip();
-        let plus = self.if_positive(sum * 0.5, half * root * inverse);
-        [plus, plus * sum * inverse, half / (root * root * root)]
+        let value = self.if_positive(sum * 0.5, half * root * inverse);
+        PositivePart {
+            value,
+            slope: value * sum * inverse,
+            curvature: half / (root * root * root),
+        }
     }
 }

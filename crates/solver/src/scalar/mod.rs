@@ -45,8 +45,8 @@ mod soft_tail;
 mod tangent;
 
 pub use lanes::{LANES, Lanes};
-pub use real::Real;
-pub use smooth::{smooth_plus, smooth_plus_energy, soft_plus_energy, soft_plus_energy_at};
+pub use real::{PositivePart, Real};
+pub use smooth::{smooth_plus_energy, soft_plus_energy, soft_plus_energy_at};
 pub use tangent::{Dual, Tangent, along};
 
 use nalgebra::{SVector, Vector2};
@@ -54,6 +54,7 @@ use nalgebra::{SVector, Vector2};
 /// The zero vector. nalgebra's `zeros` goes through an iterator and the stack, which costs a tenth
 /// of a residual.
 #[inline(always)]
+#[must_use]
 pub fn zero_vector<T: Real, const D: usize>() -> SVector<T, D> {
     SVector::from([T::zero(); D])
 }

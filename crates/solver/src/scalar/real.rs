@@ -3,10 +3,21 @@
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// From there on e^−x is taken for what it is here: beside 1 it is nothing.
+/// Largest x whose e^−x is evaluated; larger ones have the same value, which is nothing beside 1.
 pub(super) const EXP_CUTOFF: f64 = 40.0;
 
-/// A real number that may carry derivatives along.
+/// A smoothed positive part with its derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PositivePart<T> {
+    /// ⟨x⟩₊.
+    pub value: T,
+    /// First derivative.
+    pub slope: T,
+    /// Second derivative.
+    pub curvature: T,
+}
+
+/// A real number that may have derivatives.
 pub trait Real:
     Copy
     + std::fmt::Debug
@@ -81,14 +92,13 @@ pub trait Real:
     #[must_use]
     fn exp(self) -> Self;
 
-    /// ⟨x⟩₊ = ½(x + √(x² + δ²)), its slope and its second derivative.
+    /// ⟨x⟩₊ = ½(x + √(x² + δ²)); δ in the unit of x.
     #[must_use]
-    fn smooth_plus(self, delta: f64) -> [Self; 3];
+    fn smooth_plus(self, delta: f64) -> PositivePart<Self>;
 
-    /// δ ln(1 + e^{x/δ}), its slope and its second derivative: a positive part whose tail falls off
-    /// exponentially.
+    /// δ ln(1 + e^{x/δ}): a positive part whose tail falls off exponentially.
     #[must_use]
-    fn soft_plus(self, delta: f64) -> [Self; 3];
+    fn soft_plus(self, delta: f64) -> PositivePart<Self>;
 
     /// `yes` where this is positive, else `no`, lane by lane.
     #[must_use]
@@ -136,11 +146,14 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn soft_plus(self, delta: f64) -> [Self; 3] {
+    fn soft_plus(self, delta: f64) -> PositivePart<Self> {
         let tail = (-(self.abs() / delta).min(EXP_CUTOFF)).exp();
         let slope = (if self > 0.0 { 1.0 } else { tail }) / (1.0 + tail);
-        let plus = self.max(0.0) + delta * tail.ln_1p();
-        [plus, slope, slope * (1.0 - slope) / delta]
+        PositivePart {
+            value: self.max(0.0) + delta * tail.ln_1p(),
+            slope,
+            curvature: slope * (1.0 - slope) / delta,
+        }
     }
 
     #[inline(always)]
@@ -149,16 +162,20 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn smooth_plus(self, delta: f64) -> [Self; 3] {
+    fn smooth_plus(self, delta: f64) -> PositivePart<Self> {
         let square = delta * delta;
         let root = (self * self + square).sqrt();
         let sum = root + self.abs();
         // For x ≪ −δ the sum cancels; the quotient form keeps all digits.
-        let plus = if self > 0.0 {
+        let value = if self > 0.0 {
             sum * 0.5
         } else {
             (0.5 * square) / sum
         };
-        [plus, plus / root, (0.5 * square) / (root * root * root)]
+        PositivePart {
+            value,
+            slope: value / root,
+            curvature: (0.5 * square) / (root * root * root),
+        }
     }
 }

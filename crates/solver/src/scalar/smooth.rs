@@ -2,20 +2,13 @@
 
 use super::real::Real;
 
-/// ⟨x⟩₊ = ½(x + √(x² + δ²)) and its slope; δ in the unit of x.
-#[inline(always)]
-pub fn smooth_plus<T: Real>(x: T, delta: f64) -> (T, T) {
-    let [plus, slope, _] = x.smooth_plus(delta);
-    (plus, slope)
-}
-
 /// ∫⟨x⟩₊ dx, zero at x = −`reach`.
 #[inline(always)]
 #[must_use]
 pub fn smooth_plus_energy<T: Real>(x: T, delta: f64, reach: f64) -> T {
     let square = delta * delta;
-    let plus = |x: f64| x.smooth_plus(delta)[0];
-    let [here, ..] = x.smooth_plus(delta);
+    let plus = |x: f64| x.smooth_plus(delta).value;
+    let here = x.smooth_plus(delta).value;
     // asinh(x/δ) + asinh(reach/δ), in one logarithm.
     let arsinh = (here * (4.0 * plus(reach) / square)).ln();
     (x * here + arsinh * (0.5 * square) + reach * plus(-reach)) * 0.5
@@ -25,8 +18,7 @@ pub fn smooth_plus_energy<T: Real>(x: T, delta: f64, reach: f64) -> T {
 #[inline(always)]
 #[must_use]
 pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
-    let [plus, ..] = x.soft_plus(delta);
-    soft_plus_energy_at(x, plus, delta)
+    soft_plus_energy_at(x, x.soft_plus(delta).value, delta)
 }
 
 /// The same where the positive part `plus` = δ ln(1 + e^{x/δ}) is known.
@@ -34,7 +26,7 @@ pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
 pub fn soft_plus_energy_at<T: Real>(x: T, plus: T, delta: f64) -> T {
     // −Li₂(−z) in powers of l = ln(1 + z) ≤ ln 2; the coefficients are B_n/(n + 1)!. The next term
     // is below 1e-14.
-    let of_log = |l: T| {
+    let series = |l: T| {
         let square = l * l;
         let odd = [
             -4.064_761_645_144_226e-11,
@@ -52,7 +44,7 @@ pub fn soft_plus_energy_at<T: Real>(x: T, plus: T, delta: f64) -> T {
     // δ ln(1 + e^{−|x|/δ}).
     let tail = x.if_positive(plus - x, plus);
     let scaled = 1.0 / delta;
-    let part = of_log(tail * scaled);
+    let part = series(tail * scaled);
     let above = -part + x * x * (0.5 * scaled * scaled) + std::f64::consts::PI.powi(2) / 6.0;
     x.if_positive(above, part) * (delta * delta)
 }
@@ -60,29 +52,33 @@ pub fn soft_plus_energy_at<T: Real>(x: T, plus: T, delta: f64) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scalar::{Dual, LANES, Lanes};
+    use crate::scalar::{Dual, LANES, Lanes, PositivePart};
 
     /// A positive part is the slope of its energy, and has its own slopes.
     #[test]
     fn slopes_are_those_of_differences() {
         let h = 1e-5;
-        type Law = (fn(f64) -> f64, fn(Dual) -> [Dual; 3]);
+        type Law = (fn(f64) -> f64, fn(Dual) -> PositivePart<Dual>);
         let laws: [Law; 2] = [
             (|x| soft_plus_energy(x, 0.3), |x| x.soft_plus(0.3)),
             (|x| smooth_plus_energy(x, 0.3, 5.0), |x| x.smooth_plus(0.3)),
         ];
         for (energy, law) in laws {
             for x in [-9.0, -2.0, -0.1, 0.0, 0.2, 3.0, 40.0] {
-                let [value, slope, bend] = law(Dual::seed(x, 0, 1.0));
+                let PositivePart {
+                    value,
+                    slope,
+                    curvature,
+                } = law(Dual::seed(x, 0, 1.0));
                 let [before, after] = [x - h, x + h].map(|x| law(x.into()));
                 let differences = [
                     energy(x + h) - energy(x - h),
-                    after[0].re - before[0].re,
-                    after[1].re - before[1].re,
-                    after[2].re - before[2].re,
+                    after.value.re - before.value.re,
+                    after.slope.re - before.slope.re,
+                    after.curvature.re - before.curvature.re,
                 ]
                 .map(|difference| difference / (2.0 * h));
-                let slopes = [value.re, value.eps[0], slope.eps[0], bend.eps[0]];
+                let slopes = [value.re, value.eps[0], slope.eps[0], curvature.eps[0]];
                 for ((slope, difference), error) in
                     slopes.into_iter().zip(differences).zip([1e-8, 1e-8, 1e-8, 1e-7])
                 {
@@ -97,11 +93,18 @@ mod tests {
     #[test]
     fn packs_agree_with_numbers() {
         for x in [-1e4, -50.0, -3.0, -0.2, 0.0, 1e-3, 0.4, 7.0, 1e4] {
-            let of_numbers = [x.soft_plus(0.3), x.smooth_plus(0.3)].as_flattened().to_vec();
             let pack = Lanes::new([x; LANES]);
-            let of_packs = [pack.soft_plus(0.3), pack.smooth_plus(0.3)].as_flattened().to_vec();
+            let soft = (pack.soft_plus(0.3), x.soft_plus(0.3));
+            let smooth = (pack.smooth_plus(0.3), x.smooth_plus(0.3));
             let energies = (soft_plus_energy(pack, 0.3), soft_plus_energy(x, 0.3));
-            for (pack, number) in of_packs.into_iter().zip(of_numbers).chain([energies]) {
+            let values = [soft, smooth].map(|(pack, number)| {
+                [
+                    (pack.value, number.value),
+                    (pack.slope, number.slope),
+                    (pack.curvature, number.curvature),
+                ]
+            });
+            for (pack, number) in values.into_iter().flatten().chain([energies]) {
                 let pack = pack.lane(0);
                 assert!(
                     (pack - number).abs() < 1e-13 * (1.0 + number.abs()),
@@ -116,9 +119,10 @@ mod tests {
     fn tails_of_packs_are_those_of_the_library() {
         for k in 0..400 {
             let x = f64::from(k) / 10.0;
-            let [plus, slope, _] = Lanes::from(-x).soft_plus(1.0).map(|pack| pack.lane(0));
+            let part = Lanes::from(-x).soft_plus(1.0);
             let tail = (-x).exp();
-            for (found, exact) in [(plus, tail.ln_1p()), (slope, tail / (1.0 + tail))] {
+            for (found, exact) in [(part.value, tail.ln_1p()), (part.slope, tail / (1.0 + tail))] {
+                let found = found.lane(0);
                 assert!((found / exact - 1.0).abs() < 2e-15, "{x}: {found} {exact}");
             }
         }

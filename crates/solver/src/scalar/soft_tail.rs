@@ -1,6 +1,5 @@
-//! e^−x and ln(1 + e^−x) of packs. The library's exponential and logarithm serve all numbers; half
-//! of their work is for numbers that don't occur here, and the soft positive part was a fifth of a
-//! run.
+//! e^−x and ln(1 + e^−x) of packs. Half the work of the library's exponential and logarithm is for
+//! numbers that don't occur here, and the soft positive part was a fifth of a run.
 
 use super::real::Real;
 
@@ -8,8 +7,7 @@ use super::real::Real;
 /// exact.
 const LN2: [f64; 2] = [0.693_145_751_953_125, 1.428_606_820_309_417_2e-6];
 
-/// Adding it rounds a small number to a whole one, which stands with an exponent's bias in the last
-/// bits.
+/// Adding it rounds a small number to a whole one, with an exponent's bias in the last bits.
 const ROUND: f64 = 6_755_399_441_055_744.0 + 1023.0;
 
 /// e^r on |r| ≤ ½ ln 2, highest power first: the polynomial of least error, 2.2e-16.
@@ -41,10 +39,17 @@ const ARTANH: [f64; 10] = [
     1.0,
 ];
 
-/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x), for 0 ≤ x ≤ [`EXP_CUTOFF`](super::real::EXP_CUTOFF).
-/// `to_exponents` moves the last bits of each number to its exponent.
+/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x).
+pub(super) struct SoftTail<T> {
+    pub exp: T,
+    pub inverse: T,
+    pub log: T,
+}
+
+/// For 0 ≤ x ≤ [`EXP_CUTOFF`](super::real::EXP_CUTOFF). `to_exponents` moves the last bits of each
+/// number to its exponent.
 #[inline(always)]
-pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> [T; 3] {
+pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> SoftTail<T> {
     let shifted = x * -std::f64::consts::LOG2_E + ROUND;
     let whole = shifted - ROUND;
     let rest = -x - whole * LN2[0] - whole * LN2[1];
@@ -53,11 +58,14 @@ pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> [T; 3] 
     let (one, two) = (tail + 1.0, tail + 2.0);
     let inverse = (one * two).recip();
     let part = tail * one * inverse;
-    let logarithm = polynomial(&ARTANH, part * part) * part * 2.0;
-    [tail, two * inverse, logarithm]
+    SoftTail {
+        exp: tail,
+        inverse: two * inverse,
+        log: polynomial(&ARTANH, part * part) * part * 2.0,
+    }
 }
 
-/// Pairs of terms first, then pairs of pairs: each waits for fewer others than in Horner's order.
+/// Pairs of terms first, then pairs of pairs: fewer dependent operations than in Horner's order.
 #[inline(always)]
 fn polynomial<T: Real, const N: usize>(coefficients: &[f64; N], x: T) -> T {
     let term = |power: usize| coefficients[N - 1 - power];
@@ -86,6 +94,6 @@ fn polynomial<T: Real, const N: usize>(coefficients: &[f64; N], x: T) -> T {
 
 /// Moves the last bits of a number to its exponent.
 #[inline(always)]
-pub(super) fn to_exponent(of: f64) -> f64 {
-    f64::from_bits(of.to_bits() << (f64::MANTISSA_DIGITS - 1))
+pub(super) fn to_exponent(shifted: f64) -> f64 {
+    f64::from_bits(shifted.to_bits() << (f64::MANTISSA_DIGITS - 1))
 }

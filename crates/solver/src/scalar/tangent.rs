@@ -1,7 +1,7 @@
 //! Numbers with N derivatives, packed or one at a time: forward differentiation.
 
 use super::lanes::Lanes;
-use super::real::Real;
+use super::real::{PositivePart, Real};
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -50,6 +50,16 @@ impl<const N: usize, L: Real> Tangent<N, L> {
         Self {
             re: value,
             eps: from_fn(|i| self.eps[i] * slope),
+        }
+    }
+
+    /// A positive part with these values and the third derivative `third` here.
+    #[inline(always)]
+    fn chain_part(&self, part: PositivePart<L>, third: L) -> PositivePart<Self> {
+        PositivePart {
+            value: self.chain(part.value, part.slope),
+            slope: self.chain(part.slope, part.curvature),
+            curvature: self.chain(part.curvature, third),
         }
     }
 
@@ -125,13 +135,10 @@ where
     }
 
     #[inline(always)]
-    fn soft_plus(self, delta: f64) -> [Self; 3] {
-        let [plus, slope, bend] = self.re.soft_plus(delta);
-        [
-            self.chain(plus, slope),
-            self.chain(slope, bend),
-            self.chain(bend, bend * (slope * (-2.0) + 1.0) * (1.0 / delta)),
-        ]
+    fn soft_plus(self, delta: f64) -> PositivePart<Self> {
+        let part = self.re.soft_plus(delta);
+        let third = part.curvature * (part.slope * (-2.0) + 1.0) * (1.0 / delta);
+        self.chain_part(part, third)
     }
 
     #[inline(always)]
@@ -143,14 +150,10 @@ where
     }
 
     #[inline(always)]
-    fn smooth_plus(self, delta: f64) -> [Self; 3] {
-        let [plus, slope, bend] = self.re.smooth_plus(delta);
+    fn smooth_plus(self, delta: f64) -> PositivePart<Self> {
+        let part = self.re.smooth_plus(delta);
         let square = self.re * self.re + delta * delta;
-        [
-            self.chain(plus, slope),
-            self.chain(slope, bend),
-            self.chain(bend, self.re * bend * (-3.0) / square),
-        ]
+        self.chain_part(part, self.re * part.curvature * (-3.0) / square)
     }
 }
 
@@ -249,23 +252,24 @@ mod tests {
     fn derivatives_are_those_of_differences() {
         fn law<T: Real>([a, b]: [T; 2]) -> T {
             let (sin, cos) = (a * 0.7 - b).sin_cos();
-            let [plus, slope, bend] = (a * b - 0.3).smooth_plus(0.2);
-            let [soft, soft_slope, soft_bend] = (a * b - 0.3).soft_plus(0.2);
-            let [far, ..] = (a * b + 900.0).soft_plus(0.2);
-            let mut sum = (sin + 2.0) * (cos + 3.0) / (a * a + 1.0) - plus * slope + bend;
+            let smooth = (a * b - 0.3).smooth_plus(0.2);
+            let soft = (a * b - 0.3).soft_plus(0.2);
+            let far = (a * b + 900.0).soft_plus(0.2).value;
+            let mut sum =
+                (sin + 2.0) * (cos + 3.0) / (a * a + 1.0) - smooth.value * smooth.slope + smooth.curvature;
             sum -= (b * b + 0.5).sqrt() + (a + 4.0).recip();
-            sum += soft * soft_slope - soft_bend * (a * 0.3).exp() + far + (a * a + b).ln();
+            sum += soft.value * soft.slope - soft.curvature * (a * 0.3).exp() + far + (a * a + b).ln();
             sum *= -a;
             sum += (a - 1.5).atan2(b) - b.atan2(-a) * a.atan2(b - 2.0);
             sum
         }
-        let at = [0.9, 0.4];
-        let found = law([0, 1].map(|i| Tangent::<2, f64>::seed(at[i], i, 1.0)));
-        assert_eq!(found.re, law(at));
+        let point = [0.9, 0.4];
+        let found = law([0, 1].map(|i| Tangent::<2, f64>::seed(point[i], i, 1.0)));
+        assert_eq!(found.re, law(point));
         for (i, slope) in found.eps.into_iter().enumerate() {
             let h = 3e-4;
             let [plus, minus, far, farther] = [h, -h, 2.0 * h, -2.0 * h].map(|h| {
-                let mut moved = at;
+                let mut moved = point;
                 moved[i] += h;
                 law(moved)
             });

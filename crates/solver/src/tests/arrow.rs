@@ -5,8 +5,16 @@ use nalgebra::{DMatrix, DVector};
 use super::super::arrow::{Arrow, ArrowLu, Shape};
 use super::numbers;
 
-/// An arrow matrix with random entries, and the same as a dense one. Diagonals are made heavier,
-/// for blocks are factored without exchange between them.
+const fn shape(blocks: usize, block: usize, border: usize) -> Shape {
+    Shape {
+        blocks,
+        block,
+        border,
+    }
+}
+
+/// An arrow matrix with random entries, and the same as a dense one. Diagonals are heavier, since
+/// pivoting is inside a block.
 fn random(shape: Shape, order: &[usize], seed: u32) -> (Arrow, DMatrix<f64>) {
     let n = shape.len();
     let mut arrow = Arrow::new(shape);
@@ -27,8 +35,7 @@ fn random(shape: Shape, order: &[usize], seed: u32) -> (Arrow, DMatrix<f64>) {
     (arrow, dense)
 }
 
-/// Asserts that product and solution are the dense ones, in a workspace that may have factors of
-/// another matrix.
+/// Asserts that product and solution are the dense ones.
 fn assert_like_dense(lu: &mut ArrowLu, shape: Shape, order: &[usize], seed: u32) {
     let n = shape.len();
     let (arrow, dense) = random(shape, order, seed);
@@ -56,26 +63,21 @@ fn shuffled(shape: Shape, seed: u32) -> Vec<usize> {
     order
 }
 
-/// The smallest, all sizes of blocks, those known to the compiler among them, and longer loops.
+/// All sizes of blocks, with those known to the compiler, and longer loops.
 #[test]
 fn products_and_solutions_are_the_dense_ones() {
     let small = [3, 4, 8]
-        .map(|blocks| [0, 1, 5, 12].map(|border| (1..=10).map(move |block| [blocks, block, border])));
+        .map(|blocks| [0, 1, 5, 12].map(|border| (1..=10).map(move |block| shape(blocks, block, border))));
     let others = [
-        [3, 4, 2],
-        [20, 4, 2],
-        [3, 3, 10],
-        [11, 3, 15],
-        [9, 6, 12],
-        [30, 8, 12],
-        [5, 10, 12],
+        shape(3, 4, 2),
+        shape(20, 4, 2),
+        shape(3, 3, 10),
+        shape(11, 3, 15),
+        shape(9, 6, 12),
+        shape(30, 8, 12),
+        shape(5, 10, 12),
     ];
-    for ([blocks, block, border], seed) in small.into_iter().flatten().flatten().chain(others).zip(5..) {
-        let shape = Shape {
-            blocks,
-            block,
-            border,
-        };
+    for (shape, seed) in small.into_iter().flatten().flatten().chain(others).zip(5..) {
         let mut lu = ArrowLu::new(shape);
         for (order, seed) in [(vec![], seed), (shuffled(shape, seed + 3), seed), (vec![], seed + 1)] {
             assert_like_dense(&mut lu, shape, &order, seed);
@@ -84,18 +86,7 @@ fn products_and_solutions_are_the_dense_ones() {
 }
 
 /// Sizes for which blocks are inverted by each of the two ways.
-const BOTH_WAYS: [Shape; 2] = [
-    Shape {
-        blocks: 5,
-        block: 2,
-        border: 3,
-    },
-    Shape {
-        blocks: 5,
-        block: 4,
-        border: 2,
-    },
-];
+const BOTH_WAYS: [Shape; 2] = [shape(5, 2, 3), shape(5, 4, 2)];
 
 #[test]
 fn a_singular_block_is_named() {
@@ -106,7 +97,7 @@ fn a_singular_block_is_named() {
             ArrowLu::new(shape).factor(&arrow).unwrap_err().block
         };
         assert_eq!(singular(&Arrow::clear), 1);
-        // Block 0 joins the border, whose name is the number of blocks.
+        // The name of the border with block 0 is the number of blocks.
         for row in 0..shape.len() {
             let block = row / shape.block;
             let named = if block == 0 {
@@ -149,9 +140,5 @@ fn entries_beyond_the_band_are_refused() {
 #[test]
 #[should_panic(expected = "an arrow matrix needs three blocks")]
 fn two_blocks_are_refused() {
-    let _ = Arrow::new(Shape {
-        blocks: 2,
-        block: 1,
-        border: 0,
-    });
+    let _ = Arrow::new(shape(2, 1, 0));
 }

@@ -1,4 +1,4 @@
-//! Steps of bounded work: order, the bound, and going on where the work was used up.
+//! Steps of bounded work, and their continuation.
 
 use super::super::newton::{Unsolved, WorkBound};
 use super::super::sdirk::Sdirk;
@@ -16,7 +16,8 @@ fn bounded(system: &impl System, bound: WorkBound) -> Sdirk {
 fn work(remaining: f64) -> WorkBound {
     WorkBound {
         remaining,
-        jacobian: [3.0, 2.0],
+        jacobian: 3.0,
+        geometry: 2.0,
         overdraft: 8.0,
         ..WorkBound::NONE
     }
@@ -40,12 +41,12 @@ fn a_step_without_error_control_is_one_with_it() {
     assert_eq!(first, second);
 }
 
-/// Where a step of an oscillator far from its limit cycle leads with so much more work at a time,
-/// and how often it was open.
+/// End of a step of an oscillator far from its limit cycle with `more` work at a time, and how
+/// often the step was open.
 fn in_parts(more: f64, stored: bool) -> (State, u32) {
     let mut system = Test::new(VanDerPol { damping: 1.0 });
     system.newton_scale = [1e-5];
-    let mut state = system.at([30.0], [0.0], [2.0]);
+    let mut state = system.state_of([30.0], [0.0], [2.0]);
     let mut sdirk = bounded(&system, work(0.0));
     let start = state.clone();
     for open in 0..100 {
@@ -77,8 +78,7 @@ fn in_parts(more: f64, stored: bool) -> (State, u32) {
     panic!("never over");
 }
 
-/// A step that was open several times ends where one ends that was not, also if it is stored and
-/// read in between.
+/// A step that was open several times has the same end, also if it is stored and read in between.
 #[test]
 fn a_step_continues_where_its_work_was_used_up() {
     let (whole, once) = in_parts(1e3, false);
@@ -101,7 +101,7 @@ equations! {
 #[test]
 fn a_step_without_a_solution_is_abandoned() {
     let mut system = Test::new(Nowhere {});
-    let mut state = system.at([3.0], [0.0], [0.0]);
+    let mut state = system.state_of([3.0], [0.0], [0.0]);
     let start = state.clone();
     let bound = WorkBound {
         jacobians: 4,

@@ -3,13 +3,13 @@
 use super::super::State;
 use super::super::sdirk::{GAMMA, Sdirk};
 use super::problems::{
-    Constrained, Decay, Equations, Forced, ProtheroRobinson, Quadrature, Real, Solved, Test, VanDerPol,
-    advance, equations, fixed, run,
+    Accepted, Both, Constrained, Decay, Equations, Forced, ProtheroRobinson, Quadrature, Real, Solved, Test,
+    VanDerPol, advance, equations, fixed, run,
 };
 use super::{assert_work, work};
 use pushbelt_archive::Archive;
 
-/// Numbers of steps of a ladder, each twice the one before.
+/// Numbers of steps.
 const LADDER: [u32; 5] = [20, 40, 80, 160, 320];
 
 fn assert_order(errors: &[f64], expected: f64, what: &str) {
@@ -20,8 +20,8 @@ fn assert_order(errors: &[f64], expected: f64, what: &str) {
     );
 }
 
-/// Errors of y and q at the end of 1 s, over the ladder.
-fn ladder<E: Solved<N>, const N: usize>(equations: E) -> [Vec<f64>; 2] {
+/// Errors at the end of 1 s.
+fn ladder<E: Solved<N>, const N: usize>(equations: E) -> Both<Vec<f64>> {
     let mut system = Test::new(equations);
     let errors = LADDER.map(|steps| {
         let (mut state, mut integrator) = (system.state(0.0), fixed(&system, 1.0 / f64::from(steps)));
@@ -29,7 +29,10 @@ fn ladder<E: Solved<N>, const N: usize>(equations: E) -> [Vec<f64>; 2] {
         assert_eq!(integrator.newton.counts.steps, u64::from(steps));
         system.error(&state, 1.0)
     });
-    [0, 1].map(|k| errors.iter().map(|error| error[k]).collect())
+    Both {
+        y: errors.map(|error| error.y).into(),
+        q: errors.map(|error| error.q).into(),
+    }
 }
 
 /// A method that is stiffly accurate keeps its order where a row has no rate, in both unknowns
@@ -37,10 +40,10 @@ fn ladder<E: Solved<N>, const N: usize>(equations: E) -> [Vec<f64>; 2] {
 #[test]
 fn order_is_two() {
     fn check<E: Solved<N>, const N: usize>(equations: E, what: &str) {
-        let [of_y, of_q] = ladder(equations);
-        assert_order(&of_y, 2.0, what);
+        let errors = ladder(equations);
+        assert_order(&errors.y, 2.0, what);
         if E::HAS_POSITION {
-            assert_order(&of_q, 2.0, what);
+            assert_order(&errors.q, 2.0, what);
         }
     }
     check(Decay {}, "decay");
@@ -52,16 +55,15 @@ fn order_is_two() {
 
 /// Van der Pol's oscillator let go at q = 2.
 fn resting(system: &Test<VanDerPol, 1>) -> State {
-    system.at([0.0], [-2.0], [2.0])
+    system.state_of([0.0], [-2.0], [2.0])
 }
 
-/// Under h λ → ∞ a stiffly accurate method whose stages have order 1 is left with an error of
-/// h²/(hλ) = h/λ (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.15): of
-/// first order in the step, but it vanishes with the stiffness. Worse is an order reduction beyond
-/// theory.
+/// Under h λ → ∞ a stiffly accurate method with stages of order 1 has an error of h²/(hλ) = h/λ
+/// (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.15): of first order
+/// in the step, but it vanishes with the stiffness.
 #[test]
 fn stiff_errors_are_those_of_theory() {
-    let [soft, hard] = [1e6, 1e7].map(|rate| ladder(ProtheroRobinson { rate })[0].clone());
+    let [soft, hard] = [1e6, 1e7].map(|rate| ladder(ProtheroRobinson { rate }).y);
     assert_order(&soft, 1.0, "Prothero-Robinson, stiff");
     for ((soft, hard), steps) in soft.iter().zip(&hard).zip(LADDER) {
         assert!((soft / hard / 10.0 - 1.0).abs() < 0.01, "{soft:e} {hard:e}");
@@ -69,12 +71,20 @@ fn stiff_errors_are_those_of_theory() {
     }
 }
 
-/// Estimated and true errors of y and q after one step from the exact state at 0.3 s.
-fn one_step<E: Solved<N>, const N: usize>(system: &mut Test<E, N>, h: f64) -> [[f64; 2]; 2] {
+/// Errors after one step from the exact state at 0.3 s.
+struct StepErrors {
+    estimate: Both<f64>,
+    exact: Both<f64>,
+}
+
+fn one_step<E: Solved<N>, const N: usize>(system: &mut Test<E, N>, h: f64) -> StepErrors {
     let start = 0.3;
     let mut state = system.state(start);
     advance(&mut fixed(system, h), system, &mut state, [start, start + h]).unwrap();
-    [system.estimate.get(), system.error(&state, start + h)]
+    StepErrors {
+        estimate: system.estimate.get(),
+        exact: system.error(&state, start + h),
+    }
 }
 
 /// An error of a step is of the third order, and so is its estimate, in y and in q.
@@ -82,22 +92,24 @@ fn one_step<E: Solved<N>, const N: usize>(system: &mut Test<E, N>, h: f64) -> [[
 fn estimate_is_of_third_order() {
     let mut system = Test::new(Forced {});
     let found = [0.02, 0.01, 0.005, 0.0025].map(|h| one_step(&mut system, h));
-    for (side, name) in ["estimate", "error"].into_iter().enumerate() {
-        for k in 0..2 {
-            assert_order(&found.map(|step| step[side][k]), 3.0, name);
-        }
+    for (name, errors) in [
+        ("estimate", found.each_ref().map(|step| step.estimate)),
+        ("error", found.each_ref().map(|step| step.exact)),
+    ] {
+        assert_order(&errors.map(|error| error.y), 3.0, name);
+        assert_order(&errors.map(|error| error.q), 3.0, name);
     }
 }
 
-/// The weights that a step is measured against are of third order for quadrature: there the
-/// estimate is the error. Of the four conditions for third order they miss the one of slopes upon
-/// slopes, Σ b̂ᵢ aᵢⱼ cⱼ = 1/6. So for ẏ = −y, where no other counts, the estimate is the part Σ
-/// (b̂ᵢ − bᵢ) aᵢⱼ cⱼ of an error of 1/6 − Σ bᵢ aᵢⱼ cⱼ, times h³.
+/// The weights of the estimate are of third order for quadrature, where the estimate is the error.
+/// Of the four conditions for third order they violate Σ b̂ᵢ aᵢⱼ cⱼ = 1/6. So for ẏ = −y, where no
+/// other counts, the estimate is the part Σ (b̂ᵢ − bᵢ) aᵢⱼ cⱼ of an error of 1/6 − Σ bᵢ aᵢⱼ cⱼ,
+/// times h³.
 #[test]
 fn estimate_is_the_error_of_quadrature() {
-    let [estimate, error] = one_step(&mut Test::new(Quadrature {}), 1e-3);
-    assert!((estimate[0] / error[0] - 1.0).abs() < 0.01, "{estimate:?} {error:?}");
-    let [estimate, error] = one_step(&mut Test::new(Decay {}), 1e-2);
+    let StepErrors { estimate, exact } = one_step(&mut Test::new(Quadrature {}), 1e-3);
+    assert!((estimate.y / exact.y - 1.0).abs() < 0.01, "{estimate:?} {exact:?}");
+    let StepErrors { estimate, exact } = one_step(&mut Test::new(Decay {}), 1e-2);
     let slopes = [GAMMA * GAMMA, 2.0 * GAMMA - GAMMA * GAMMA];
     let first = 1.0 / (6.0 * GAMMA * (1.0 - GAMMA));
     let better = first * slopes[0] + (0.5 - GAMMA * first) * slopes[1];
@@ -105,13 +117,13 @@ fn estimate_is_the_error_of_quadrature() {
     let expected = (better - own) / (1.0 / 6.0 - own);
     assert!((expected - 0.147).abs() < 1e-3, "{expected}");
     assert!(
-        (estimate[0] / error[0] / expected - 1.0).abs() < 0.03,
-        "{estimate:?} {error:?}"
+        (estimate.y / exact.y / expected - 1.0).abs() < 0.03,
+        "{estimate:?} {exact:?}"
     );
 }
 
-/// Steps are accepted where an estimate c h³ meets the tolerance, and h² is left at the end: so a
-/// tenth of the tolerance leaves 10^(−2/3) = 0.22 of the error.
+/// Steps are accepted where an estimate c h³ meets the tolerance, and the error at the end is of
+/// h²: with a tenth of the tolerance 10^(−2/3) = 0.22 of it.
 #[test]
 fn error_falls_with_the_tolerance() {
     fn check<E: Solved<N>, const N: usize>(equations: E, to: f64, pinned: [u64; 5], what: &str) {
@@ -120,7 +132,8 @@ fn error_falls_with_the_tolerance() {
         let errors = [1e-5, 1e-6, 1e-7, 1e-8, 1e-9].map(|tolerance| {
             let mut state = system.state(0.0);
             done = work(run(&mut system, &mut state, to, tolerance).unwrap().newton.counts);
-            system.error(&state, to).into_iter().fold(0.0, f64::max)
+            let error = system.error(&state, to);
+            error.y.max(error.q)
         });
         for pair in errors.windows(2) {
             assert!(pair[1] < 0.5 * pair[0], "{what}: {errors:?}");
@@ -148,27 +161,27 @@ fn relaxation_oscillation() {
         assert_work(work(counts), pinned, "");
     }
     assert!(errors[0] < 1e-2 && errors[1] < 0.1 * errors[0], "{errors:?}");
-    let lengths = || system.accepted.iter().map(|[_, length]| *length);
+    let lengths = || system.accepted.iter().map(|step| step.length);
     let (least, most) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max));
     assert!(most > 300.0 * least, "{least} {most}");
 }
 
-/// Work depends on the stiffness no more once it is large. It is some times that of a soft problem:
-/// slopes of stiff unknowns are of the stages' first order, so there the estimate is of second
-/// order in the step instead of third.
+/// The work does not depend on a large stiffness. It is some times that of a soft problem: slopes
+/// of stiff unknowns are of the stages' first order, so the estimate is of second order in the
+/// step.
 #[test]
 fn work_is_bounded_in_the_stiffness() {
     let [soft, stiff, stiffer] = [1.0, 1e5, 1e8].map(|rate| {
         let mut system = Test::new(ProtheroRobinson { rate });
         let mut state = system.state(0.0);
         let counts = run(&mut system, &mut state, 10.0, 1e-5).unwrap().newton.counts;
-        assert!(system.error(&state, 10.0)[0] < 1e-3);
+        assert!(system.error(&state, 10.0).y < 1e-3);
         work(counts)
     });
     assert_work(soft, [105, 9, 0, 562, 26], "soft");
     assert_work(stiff, [508, 15, 0, 1748, 38], "stiff");
-    // The number of steps depends on where a step is rejected; the work is what it takes together,
-    // a Jacobian as twelve residuals.
+    // The number of steps depends on where a step is rejected; a Jacobian counts as twelve
+    // residuals.
     let [most, found] = [stiff, stiffer].map(|[.., residuals, jacobians]| residuals + 12 * jacobians);
     assert!(found <= most + most / 50, "{stiff:?} {stiffer:?}");
 }
@@ -181,12 +194,11 @@ equations! {
     }
 }
 
-/// What Newton's method can't solve in one step, the control of the step size solves in shorter
-/// ones.
+/// Where Newton's method fails in one step, the control of the step size takes shorter ones.
 #[test]
 fn a_stiff_contact_is_met_in_shorter_steps() {
     let mut system = Test::new(Bouncing {});
-    let mut state = system.at([0.0], [-10.0], [1.0]);
+    let mut state = system.state_of([0.0], [-10.0], [1.0]);
     let counts = run(&mut system, &mut state, 10.0, 1e-5).unwrap().newton.counts;
     // At rest it weighs 10 N.
     assert!((system.values(&state.q)[0] + 1e-7).abs() < 1e-9, "{state:?}");
@@ -194,22 +206,21 @@ fn a_stiff_contact_is_met_in_shorter_steps() {
     assert_work(work(counts), [235, 82, 15, 2350, 319], "");
 }
 
-/// Accepted steps fill the time without a gap, the last ends exactly at the given time, and each
-/// was no longer than the longest.
+/// Accepted steps fill the time, the last ends exactly at the given time, and none is longer than
+/// the longest.
 #[test]
 fn steps_fill_the_time() {
     let mut system = Test::new(Forced {});
     system.tolerance = 1e-3;
     let mut state = system.state(0.0);
     let mut integrator = Sdirk::new(&system, 0.03, 0.03);
-    // 0.002 + (0.02 − 0.002) is not 0.02: neither is the end missed nor a sliver left.
+    // 0.002 + (0.02 − 0.002) is not 0.02.
     for pair in [0.0, 0.002, 0.02, 0.1, 0.1 + 1e-7, 0.5, 1.0].windows(2) {
         advance(&mut integrator, &mut system, &mut state, [pair[0], pair[1]]).unwrap();
-        let [end, _] = system.accepted[system.accepted.len() - 1];
-        assert_eq!(end, pair[1]);
+        assert_eq!(system.accepted[system.accepted.len() - 1].end, pair[1]);
     }
     let mut time = 0.0;
-    for [end, length] in &system.accepted {
+    for Accepted { end, length } in &system.accepted {
         assert!((end - length - time).abs() < 1e-15 && (0.99e-7..=0.03).contains(length));
         time = *end;
     }
@@ -258,16 +269,15 @@ equations! {
     BlowUp {}: 1, false, |self, _, [y], [y_dot], _| [y_dot - y * y]
 }
 
-/// A step that falls below the smallest is an error that names the time reached, and the state is
-/// that of then.
+/// A step below the smallest is an error with the time reached, and the state is that of then.
 #[test]
 fn a_stalled_step_is_reported() {
     let mut system = Test::new(BlowUp {});
-    let mut state = system.at([1.0], [1.0], [0.0]);
+    let mut state = system.state_of([1.0], [1.0], [0.0]);
     let stalled = run(&mut system, &mut state, 2.0, 1e-6).unwrap_err();
     assert!((stalled.time - 1.0).abs() < 1e-3, "{stalled:?}");
     assert!(stalled.step < 1e-10);
-    assert_eq!(system.accepted.last().unwrap()[0], stalled.time);
+    assert_eq!(system.accepted.last().unwrap().end, stalled.time);
     let y = system.values(&state.y)[0];
     assert!(y > 1e3 && y.is_finite(), "{y}");
 }

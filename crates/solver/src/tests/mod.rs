@@ -1,4 +1,4 @@
-//! The solver on problems of its own: neither a belt nor anything else of this crate is in them.
+//! The solver on small problems without a belt.
 
 mod arrow;
 mod bounded;
@@ -20,8 +20,7 @@ fn work(mut counts: Counts) -> [u64; 5] {
     counts.each_mut().map(|count| *count)
 }
 
-/// Asserts that work is what it was: two in a hundred more fail, and ten in a hundred less, for
-/// then the numbers in the test are out of date.
+/// Asserts that work is at most 2 % above that pinned, and 10 % below.
 fn assert_work<const N: usize>(found: [u64; N], pinned: [u64; N], what: &str) {
     let in_band =
         |(found, pinned): (&u64, &u64)| (pinned - pinned / 10..=pinned + pinned / 50).contains(found);

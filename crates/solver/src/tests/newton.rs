@@ -5,8 +5,7 @@ use super::super::newton::{Newton, Stage, Unsolved};
 use super::assert_work;
 use super::problems::{Equations, Real, Test, equations};
 
-/// Solves a stage in which ẏ = y and q = y from a guess, with the factors and rates that Newton's
-/// method has from before.
+/// Solves a stage in which ẏ = y and q = y from a guess, with the factors and rates of before.
 fn solve<E: Equations<N>, const N: usize>(
     newton: &mut Newton,
     system: &mut Test<E, N>,
@@ -14,7 +13,7 @@ fn solve<E: Equations<N>, const N: usize>(
     reuse: bool,
 ) -> Result<[f64; N], Unsolved> {
     let mut stage = Stage::new(system.shape().len());
-    stage.state = system.at(guess, [0.0; N], [0.0; N]);
+    stage.state = system.state_of(guess, [0.0; N], [0.0; N]);
     newton.solve(system, &mut stage, reuse)?;
     Ok(system.values(&stage.state.y))
 }
@@ -86,8 +85,7 @@ fn a_stiff_wall_is_met_and_left() {
         force: 5.0,
     };
     assert_solves(soft, -1.0, 5.0 / 6.0, [7, 2]);
-    // From before a stiff wall no damped step shortens the correction: the next guess, of a shorter
-    // step, must do.
+    // Before a stiff wall no damped step shortens the correction: the step must be shorter.
     let (found, done) = fresh(wall(5.0), [-1.0]);
     assert_eq!(found, Err(Unsolved::NoSolution));
     assert_work(done, [48, 5], "");
@@ -109,20 +107,20 @@ fn friction_that_saturates() {
         let equations = friction(1.0, force);
         let (found, done) = fresh(friction(1.0, force), [guess]);
         let y = found.unwrap();
-        let [left] = equations.residual(0.0, y, [0.0], [0.0]);
-        assert!(left.abs() < 1e-9, "{left}");
+        let [rest] = equations.residual(0.0, y, [0.0], [0.0]);
+        assert!(rest.abs() < 1e-9, "{rest}");
         assert_work(done, pinned, &format!("{force} from {guess}"));
     }
-    // Beyond what it carries the body slides, held back by its mass.
+    // Beyond the friction the body slides.
     let (found, done) = fresh(friction(1.0, 1.5), [0.0]);
     assert!((found.unwrap()[0] - 0.5).abs() < 1e-5);
     assert_work(done, [10, 4], "sliding");
-    // With next to no mass every step overshoots where it sticks: a search that has found no better
-    // place goes on.
+    // With little mass every step overshoots where it sticks: a search without a better point
+    // continues.
     let light = friction(1e-3, 0.5);
     let (found, done) = fresh(friction(1e-3, 0.5), [10.0]);
-    let [left] = light.residual(0.0, found.unwrap(), [0.0], [0.0]);
-    assert!(left.abs() < 1e-9, "{left}");
+    let [rest] = light.residual(0.0, found.unwrap(), [0.0], [0.0]);
+    assert!(rest.abs() < 1e-9, "{rest}");
     assert_work(done, [41, 6], "without mass");
 }
 
@@ -144,7 +142,7 @@ fn what_has_no_solution_is_an_error() {
     assert!(factorizations <= 15);
 }
 
-/// A singular or failed stage leaves nothing behind that the next would trip over.
+/// A stage is solved after a singular or failed one.
 #[test]
 fn solves_after_a_failure() {
     let mut system = Test::new(Parabola { constant: 1.0 });
@@ -177,14 +175,13 @@ fn ill_scaled_unknowns_and_rows() {
 }
 
 impl Springs {
-    fn left(&self, y: [f64; 24]) -> f64 {
+    fn largest_residual(&self, y: [f64; 24]) -> f64 {
         let rows = self.residual(0.0, y, [0.0; 24], [0.0; 24]);
         rows.iter().fold(0.0, |most, row| most.max(row.abs()))
     }
 }
 
-/// A Jacobian serves the next stages while it contracts; once it does not, or may not be used
-/// again, another is made.
+/// A Jacobian is used again while it contracts and may be.
 #[test]
 fn a_stale_jacobian_is_renewed() {
     let mut system = Test::new(Springs {
@@ -193,15 +190,15 @@ fn a_stale_jacobian_is_renewed() {
     });
     let mut newton = Newton::new(&system);
     let first = solve(&mut newton, &mut system, [0.0; 24], true).unwrap();
-    assert!(system.equations.left(first) < 1e-10);
+    assert!(system.equations.largest_residual(first) < 1e-10);
     assert_eq!(newton.counts.factorizations, 1);
     system.equations.force = 1.1;
     let second = solve(&mut newton, &mut system, first, true).unwrap();
-    assert!(system.equations.left(second) < 1e-10);
+    assert!(system.equations.largest_residual(second) < 1e-10);
     assert_eq!(newton.counts.factorizations, 1, "it was still good");
     system.equations.stiffness = std::array::from_fn(|i| 10.0 * 1.5_f64.powi(i as i32));
     let third = solve(&mut newton, &mut system, second, true).unwrap();
-    assert!(system.equations.left(third) < 1e-7);
+    assert!(system.equations.largest_residual(third) < 1e-7);
     assert_eq!(newton.counts.factorizations, 2);
     solve(&mut newton, &mut system, third, false).unwrap();
     assert_eq!(newton.counts.factorizations, 3);

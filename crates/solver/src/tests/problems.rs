@@ -1,4 +1,4 @@
-//! Small problems, each with its solution, and what a [`System`] needs beyond their equations.
+//! Small problems with their solutions, as [`System`]s.
 
 use std::cell::Cell;
 
@@ -8,7 +8,7 @@ use super::super::arrow::{Arrow, Shape};
 use super::super::sdirk::{Evolution, Sdirk, Stalled};
 use super::super::{State, System, View};
 
-/// What the equations of a problem are made of: a number, or one with a derivative.
+/// A number, or one with a derivative.
 pub trait Real: DualNum<Primitive = f64> + Copy {}
 
 impl<T: DualNum<Primitive = f64> + Copy> Real for T {}
@@ -22,25 +22,37 @@ pub trait Equations<const N: usize> {
     fn residual<T: Real>(&self, time: f64, y: [T; N], y_dot: [T; N], q: [T; N]) -> [T; N];
 }
 
-/// A problem whose solution is known for all times.
-pub trait Solved<const N: usize>: Equations<N> {
-    /// y and q of the solution.
-    fn exact<T: Real>(&self, time: T) -> [[T; N]; 2];
+/// Values of y and of q.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Both<T> {
+    pub y: T,
+    pub q: T,
 }
 
-/// Equations as a system: they stand in the border of the matrix, beside a loop of blocks that do
-/// nothing.
+/// A problem whose solution is known for all times.
+pub trait Solved<const N: usize>: Equations<N> {
+    fn exact<T: Real>(&self, time: T) -> Both<[T; N]>;
+}
+
+/// An accepted step, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accepted {
+    pub end: f64,
+    pub length: f64,
+}
+
+/// Equations as a system, in the border of the matrix, beside a loop of blocks without effect.
 pub struct Test<E, const N: usize> {
     pub equations: E,
     has_position: Vec<bool>,
-    /// What Newton's method may leave of each unknown.
+    /// Tolerance of Newton's method.
     pub newton_scale: [f64; N],
-    /// Of a step's error, relative and absolute; with infinity every step is accepted.
+    /// Relative and absolute tolerance of a step; with infinity every step is accepted.
     pub tolerance: f64,
-    /// The last step's estimated errors of y and q, the largest of each.
-    pub estimate: Cell<[f64; 2]>,
-    /// End and length of the steps that were accepted, s.
-    pub accepted: Vec<[f64; 2]>,
+    /// Largest estimated errors of the last step.
+    pub estimate: Cell<Both<f64>>,
+    /// Steps that were accepted.
+    pub accepted: Vec<Accepted>,
     /// ∫y dt by the trapezoidal rule.
     pub integral: [f64; N],
 }
@@ -64,7 +76,7 @@ impl<E: Equations<N>, const N: usize> Test<E, N> {
     }
 
     /// A state from the unknowns of the equations.
-    pub fn at(&self, y: [f64; N], y_dot: [f64; N], q: [f64; N]) -> State {
+    pub fn state_of(&self, y: [f64; N], y_dot: [f64; N], q: [f64; N]) -> State {
         let [y, y_dot, q] = [y, y_dot, q].map(|values| [vec![0.0; self.first()], values.to_vec()].concat());
         State { y, y_dot, q }
     }
@@ -89,15 +101,18 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 impl<E: Solved<N>, const N: usize> Test<E, N> {
     /// The solution.
     pub fn state(&self, time: f64) -> State {
-        let [y, q] = self.equations.exact(Dual64::new(time, 1.0));
-        self.at(y.map(|y| y.re), y.map(|y| y.eps), q.map(|q| q.re))
+        let Both { y, q } = self.equations.exact(Dual64::new(time, 1.0));
+        self.state_of(y.map(|y| y.re), y.map(|y| y.eps), q.map(|q| q.re))
     }
 
-    /// Largest error of y and of q.
-    pub fn error(&self, state: &State, time: f64) -> [f64; 2] {
+    /// Largest errors.
+    pub fn error(&self, state: &State, time: f64) -> Both<f64> {
         let exact = self.state(time);
         let off = |a: &[f64], b: &[f64]| largest(a.iter().zip(b).map(|(a, b)| a - b));
-        [off(&state.y, &exact.y), off(&state.q, &exact.q)]
+        Both {
+            y: off(&state.y, &exact.y),
+            q: off(&state.q, &exact.q),
+        }
     }
 }
 
@@ -187,8 +202,8 @@ impl<E: Equations<N>, const N: usize> Evolution for Test<E, N> {
                     .map(|(error, value)| error / (1.0 + value.abs())),
             )
         };
-        self.estimate
-            .set([y_error, q_error].map(|errors| largest(errors.iter().copied())));
+        let [y, q] = [y_error, q_error].map(|errors| largest(errors.iter().copied()));
+        self.estimate.set(Both { y, q });
         relative(y_error, view.y).max(has * relative(q_error, view.q)) / self.tolerance
     }
 
@@ -197,7 +212,7 @@ impl<E: Equations<N>, const N: usize> Evolution for Test<E, N> {
         for (i, sum) in self.integral.iter_mut().enumerate() {
             *sum += 0.5 * length * (first[i] + last[i]);
         }
-        self.accepted.push([end, length]);
+        self.accepted.push(Accepted { end, length });
     }
 }
 
@@ -206,7 +221,7 @@ impl<E: Equations<N>, const N: usize> Evolution for Test<E, N> {
 macro_rules! equations {
     (
         $(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* }: $n:literal, $has_position:literal,
-        |$self:ident, $time:pat, $y:pat, $y_dot:pat, $q:pat_param| $residual:expr $(, |$at:ident| $exact:expr)?
+        |$self:ident, $time:pat, $y:pat, $y_dot:pat, $q:pat_param| $residual:expr $(, |$t:ident| $y_exact:expr, $q_exact:expr)?
     ) => {
         $(#[$doc])*
         pub struct $name {
@@ -222,8 +237,8 @@ macro_rules! equations {
         }
 
         $(impl Solved<$n> for $name {
-            fn exact<T: Real>(&$self, $at: T) -> [[T; $n]; 2] {
-                $exact
+            fn exact<T: Real>(&$self, $t: T) -> Both<[T; $n]> {
+                Both { y: $y_exact, q: $q_exact }
             }
         })?
     };
@@ -232,27 +247,27 @@ pub(super) use equations;
 
 equations! {
     /// ẏ = −y: y = exp(−t).
-    Decay {}: 1, false, |self, _, [y], [y_dot], _| [y_dot + y], |t| [[(-t).exp()], [T::zero()]]
+    Decay {}: 1, false, |self, _, [y], [y_dot], _| [y_dot + y], |t| [(-t).exp()], [T::zero()]
 }
 equations! {
     /// ẏ = cos t with q̇ = y: nothing but quadrature. y = sin t, q = 1 − cos t.
-    Quadrature {}: 1, true, |self, t, _, [y_dot], _| [y_dot - t.cos()], |t| [[t.sin()], [-t.cos() + 1.0]]
+    Quadrature {}: 1, true, |self, t, _, [y_dot], _| [y_dot - t.cos()], |t| [t.sin()], [-t.cos() + 1.0]
 }
 equations! {
     /// q̈ + q̇ + q = f(t), with the force that makes q = sin 2t of it.
     Forced {}: 1, true,
     |self, t, [y], [y_dot], [q]| [y_dot + y + q - (2.0 * (2.0 * t).cos() - 3.0 * (2.0 * t).sin())],
-    |t| [[(t * 2.0).cos() * 2.0], [(t * 2.0).sin()]]
+    |t| [(t * 2.0).cos() * 2.0], [(t * 2.0).sin()]
 }
 equations! {
     /// ẏ = −λ(y − cos t) − sin t, of Prothero and Robinson (1974): y = cos t however stiff.
     ProtheroRobinson { rate: f64 }: 1, false,
-    |self, t, [y], [y_dot], _| [y_dot + (y - t.cos()) * self.rate + t.sin()], |t| [[t.cos()], [T::zero()]]
+    |self, t, [y], [y_dot], _| [y_dot + (y - t.cos()) * self.rate + t.sin()], |t| [t.cos()], [T::zero()]
 }
 equations! {
     /// ẏ = −z with a row that has no rate, z + z³ = y + y³: y = z = exp(−t).
     Constrained {}: 2, false,
-    |self, _, [y, z], [y_dot, _], _| [y_dot + z, z + z.powi(3) - y - y.powi(3)], |t| [[(-t).exp(); 2], [T::zero(); 2]]
+    |self, _, [y, z], [y_dot, _], _| [y_dot + z, z + z.powi(3) - y - y.powi(3)], |t| [(-t).exp(); 2], [T::zero(); 2]
 }
 
 equations! {
