@@ -10,22 +10,19 @@
 //! load cases for `ALE`, for this ring with c = 0, which must have the same results, and with
 //! stiffening. A shift checks the energy balance.
 //!
-//! The ring has the three parts of `pushbelt::variator::ring_models`: [`StiffeningRing`] inside one
-//! cell, [`Stiffening`] as its [`RingKind`], and its implementation of [`BeltRing`]. Residual,
-//! Jacobian, outputs, energy balance and steady states follow from these.
+//! It implements three traits of `pushbelt::variator::ring_models`: [`CellRing`] for
+//! [`StiffeningRing`], the ring inside one cell, [`RingKind`] and [`BeltRing`] for [`Stiffening`],
+//! its parameters. Residual, Jacobian, outputs, energy balance and steady states follow from these.
 
 use std::sync::Arc;
 
-use pushbelt::reference_curve::{ReferencePoint, TwoPulley};
-use pushbelt::ring::Ring;
-use pushbelt::ring::kinematics::{LineLoad, ReferenceMotion, RingPoint};
+use pushbelt::ring::kinematics::{LineLoad, RingPoint};
 use pushbelt::scalar::Real;
 use pushbelt::variator::ring_models::{
-    Ale, Assembly, Belt, BeltMesh, BeltRing, CellDivision, CellGeometry, CellRing, Deflecting, Degrees,
-    DegreesOfFreedom, EulerianRing, Layout, MeshCurve, RingDensity, RingForces, RingKind, StateComponent,
-    StationLoad, eulerian_equations, nodes,
+    Ale, Assembly, Belt, BeltMesh, BeltRing, CellRing, Deflecting, Layout, RingDensity, RingForces,
+    RingInput, RingKind, StateComponent, StationLoad, eulerian_equations, nodes,
 };
-use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
+use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_support::load_cases::LoadCase;
 use pushbelt_support::run::Run;
 use pushbelt_support::steady::load_case_with;
@@ -47,8 +44,10 @@ impl<T: Real> StiffeningRing<'_, T> {
 }
 
 impl<T: Real> CellRing<T> for StiffeningRing<'_, T> {
-    fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
-        self.ale.point(at, reference)
+    type Forces = RingForces<T>;
+
+    fn point(&self, at: usize) -> RingPoint<T> {
+        self.ale.point(at)
     }
 
     /// Adds δV = ∫ EA c γ² δγ dξ + energy of the length dξ that Θ adds, with δγ = t·δr'.
@@ -68,9 +67,7 @@ impl<T: Real> CellRing<T> for StiffeningRing<'_, T> {
         density.membrane += self.energy(point);
         density
     }
-}
 
-impl<T: Real> EulerianRing<T> for StiffeningRing<'_, T> {
     fn forces(&self) -> RingForces<T> {
         self.ale.forces()
     }
@@ -83,24 +80,17 @@ struct Stiffening {
     factor: f64,
 }
 
-/// The unknowns of a cell: two positions and two slopes of each of its two nodes.
-impl DegreesOfFreedom for Stiffening {
-    const DEGREES: Degrees = Degrees::deflecting(2);
-}
-
-impl<C: MeshCurve> RingKind<2, C> for Stiffening {
+impl RingKind<2> for Stiffening {
     type Ring<'a, T: Real> = StiffeningRing<'a, T>;
 
     fn ring<'a, T: Real>(
         &self,
-        ring: &'a Ring,
-        (geometry, motion): (&'a CellGeometry<'a, T>, &'a ReferenceMotion<T>),
-        _curve: (&'a C::Frame<T>, usize),
+        given: RingInput<'a, T>,
         unknown: impl Fn(StateComponent, usize) -> T,
     ) -> StiffeningRing<'a, T> {
         StiffeningRing {
-            ale: Deflecting::new(ring, geometry, motion, &nodes(unknown)),
-            stiffening: ring.axial_stiffness * self.factor,
+            ale: Deflecting::new(given, &nodes(unknown)),
+            stiffening: given.ring.axial_stiffness * self.factor,
         }
     }
 }
@@ -110,16 +100,12 @@ impl BeltRing for Stiffening {
         "stiffening"
     }
 
-    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
-        BeltMesh::new(sizes, CellDivision::of_deflecting(sizes), true)
-    }
-
-    fn layout(&self, _parameters: &Parameters, mesh: &BeltMesh, _curve: &TwoPulley) -> Layout {
+    fn layout(&self, _parameters: &Parameters, mesh: &BeltMesh) -> Layout {
         Layout::deflecting(2, mesh)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        eulerian_equations::<_, 2, TwoPulley>(*self, belt)
+        eulerian_equations(*self, belt, false)
     }
 }
 

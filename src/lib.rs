@@ -40,8 +40,8 @@
 //!
 //! **A ring of your own.** [`variator::Variator::with_ring`] takes any
 //! [`variator::ring_models::BeltRing`]; `examples/own_ring.rs` is one that stiffens as it
-//! stretches. Another belt system is a [`reference_curve::ReferenceCurve`]. To pack another model
-//! as an FMU use the crate `pushbelt-fmi` alone; its README has a complete one.
+//! stretches. To pack another model as an FMU use the crate `pushbelt-fmi` alone; its README has a
+//! complete one.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 

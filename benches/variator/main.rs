@@ -363,7 +363,7 @@ fn steady_map(model: RingModel) -> Map {
     let mut newton = Newton::new(&system);
     for i in 0..MAP_RATIOS {
         let ratio = 2.2 * (0.45_f64 / 2.2).powf(i as f64 / (MAP_RATIOS - 1) as f64);
-        let (radius, _) = system.belt.curve.radii(ratio).expect("the belt closes");
+        let radius = system.belt.curve.radii(ratio).expect("the belt closes").primary;
         let capacity = full_slip_torque(
             &parameters.friction,
             parameters.geometry.wedge_angle.cos(),

@@ -158,9 +158,9 @@ impl Law {
         let geometry = &parameters.geometry;
         let length = geometry.belt_length - TAU * parameters.belt.pitch_offset;
         let curve = TwoPulley::new(geometry.center_distance, length);
-        let radius = |log_ratio: f64| match curve.radii(log_ratio.exp()) {
-            Ok((primary, _)) => Ok(primary),
-            Err(error) => Err(error.to_string()),
+        let radius = |log_ratio: f64| {
+            let radii = curve.radii(log_ratio.exp());
+            radii.map(|radii| radii.primary).map_err(|error| error.to_string())
         };
         let points = UniformAxis::over(&[low - BEYOND_STOPS, high + BEYOND_STOPS], RADII);
         Ok(Self {

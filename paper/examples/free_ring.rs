@@ -17,7 +17,7 @@ use cpu_time::ProcessTime;
 use nalgebra::Vector2;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::ancf::Ancf;

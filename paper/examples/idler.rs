@@ -8,7 +8,7 @@
 //! Θ, due to the bending energy of a belt.
 
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve};
+use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::ancf::Ancf;

@@ -1,23 +1,24 @@
 //! The belts of the paper's comparison, as rings of a variator.
 
-use crate::reference_curve::{ReferenceCurve, TwoPulley, Unaligned, ratio_of_theta};
+use crate::reference_curve::{TwoPulley, ratio_of_theta};
 use crate::ring::ancf::AncfElement;
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use crate::ring::rcm::RcmElement;
-use crate::rotating::RotatingRing;
 use crate::travelling::assembly::TravellingCells;
 use crate::travelling::order::{self, Travelling};
 use crate::travelling::start::state_on_ale;
+use pushbelt::ring::mesh::{Spacing, divide};
 use pushbelt::variator::ring_models::{
-    Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, StartsOn, deflecting_equations,
-    eulerian_equations, guided_equations,
+    Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, MaterialMesh, eulerian_equations,
 };
 use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
 use std::marker::PhantomData;
 use std::sync::Arc;
 
 /// `ALE0` or `ALE` on elements spaced evenly at fixed ξ, as in the paper. Arc borders move through
-/// them.
+/// the elements, and the reference curvature jumps at the quadrature points that a border passes.
+/// Each cell still has one pulley, provided that no arc reaches the quarters of the belt, ξ = L/4
+/// and 3L/4.
 #[derive(Clone, Copy, Debug)]
 pub struct EvenMesh<R>(pub R);
 
@@ -36,21 +37,21 @@ pub trait OtherEquations: BeltRing {
 
 impl OtherEquations for Ale0 {
     fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        guided_equations::<Unaligned<TwoPulley>>(belt, true)
+        eulerian_equations(EvenMesh(*self), belt, true)
     }
 
     fn forward_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        guided_equations::<TwoPulley>(belt, false)
+        eulerian_equations(*self, belt, false)
     }
 }
 
 impl<const D: usize> OtherEquations for Ale<D> {
     fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        deflecting_equations::<D, Unaligned<TwoPulley>>(belt, true)
+        eulerian_equations(EvenMesh(*self), belt, true)
     }
 
     fn forward_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        deflecting_equations::<D, TwoPulley>(belt, false)
+        eulerian_equations(*self, belt, false)
     }
 }
 
@@ -63,8 +64,8 @@ impl<R: OtherEquations> BeltRing for Forward<R> {
         self.0.mesh(sizes)
     }
 
-    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
-        self.0.layout(parameters, mesh, curve)
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh) -> Layout {
+        self.0.layout(parameters, mesh)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
@@ -83,8 +84,8 @@ impl<R: OtherEquations> BeltRing for EvenMesh<R> {
         let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
         let ratios = parameters.ratio_range();
         let arc = |ratio: f64| {
-            let frame = curve.frame(ratio_of_theta(ratio));
-            let length = |segment| TwoPulley::segment_length::<f64>(&frame, segment).v;
+            let frame = curve.frame::<f64>(ratio_of_theta(ratio));
+            let length = |segment| frame.segment_length(segment).v;
             (2.0 * length(0)).max(length(2))
         };
         let longest = arc(*ratios.start()).max(arc(*ratios.end()));
@@ -104,11 +105,13 @@ impl<R: OtherEquations> BeltRing for EvenMesh<R> {
             per_element: aligned.cells_per_element,
             points: aligned.points,
         };
-        BeltMesh::new(sizes, cells, false)
+        let elements = divide(TwoPulley::WHOLE, aligned.elements.len(), Spacing::Both(0.0));
+        let touches_primary = |_, middle| (0.25..0.75).contains(&middle);
+        BeltMesh::of_elements(elements.collect(), cells, touches_primary)
     }
 
-    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
-        self.0.layout(parameters, mesh, curve)
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh) -> Layout {
+        self.0.layout(parameters, mesh)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
@@ -130,12 +133,12 @@ impl<const D: usize> BeltRing for Rotated<D> {
         Ale::<D>.mesh(sizes)
     }
 
-    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
-        Ale::<D>.layout(parameters, mesh, curve)
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh) -> Layout {
+        Ale::<D>.layout(parameters, mesh)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        eulerian_equations::<RotatingRing<D>, D, TwoPulley>(RotatingRing, belt)
+        eulerian_equations(*self, belt, false)
     }
 }
 
@@ -234,25 +237,28 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
             // the largest distance of two stations per cell.
             points: 3,
         };
-        BeltMesh::new(sizes, cells, true)
+        BeltMesh::new(sizes, cells)
     }
 
     /// The nodes have no fixed neighbours among the cells. V and N of each cell come first, then
     /// the nodes, then unknowns that only fill the blocks. The equations reorder them for the
     /// matrix.
-    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh) -> Layout {
         let cells = mesh.cells.len();
         let mut layout = Layout {
             nodes: self.elements,
             per_node: E::BLOCK,
             lengths: (0..E::BLOCK).filter(|&k| E::is_length(k)).map(|k| 1 << k).sum(),
             components: 0,
-            node_at: [2 * cells, E::BLOCK],
-            cell_at: [0, 2 * mesh.cells_per_element, 2],
+            first_node: 2 * cells,
+            next_node: E::BLOCK,
+            first_cell: 0,
+            next_element: 2 * mesh.cells_per_element,
+            next_cell: 2,
             content_beside_next: false,
             ..Layout::deflecting(2, mesh)
         };
-        [layout.shape.blocks, layout.shape.block] = order::blocks(&layout, mesh, parameters, curve);
+        order::set_blocks(&mut layout, mesh, parameters);
         layout
     }
 
@@ -260,21 +266,16 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
         Box::new(TravellingCells::new(belt, Self::ring(belt)))
     }
 
-    /// Steps are short, so the error of the sliding velocity is more restrictive than that of the
-    /// distance in a step.
-    fn speed_error(&self, of_place: f64, of_sliding: f64) -> f64 {
-        of_place.min(10.0 * of_sliding)
-    }
-
-    /// Contact changes as an element passes a cell.
-    fn longest_drift(&self, belt: &Belt) -> f64 {
-        PASSING * Travelling::of(&belt.layout, &belt.curve).length
-    }
-
-    fn starts_on(&self) -> Option<StartsOn> {
-        Some((Arc::new(Ale::<2>), |belt, ale, state| {
-            state_on_ale(belt, &Self::ring(belt), ale, state)
-        }))
+    fn material_mesh(&self, layout: &Layout, curve: &TwoPulley) -> Option<MaterialMesh> {
+        Some(MaterialMesh {
+            starts_on: Arc::new(Ale::<2>),
+            start: |belt, ale, state| state_on_ale(belt, &Self::ring(belt), ale, state),
+            // Contact changes as an element passes a cell.
+            longest_drift: PASSING * Travelling::of(layout, curve).length,
+            // Steps are short, so the error of the sliding velocity is more restrictive than that
+            // of the distance in a step.
+            speed_error: 10.0,
+        })
     }
 }
 

@@ -2,16 +2,16 @@
 //! coordinates Θ alone is left.
 
 use pushbelt::archive::Archive;
+use pushbelt::pulley::PerPulley;
 use pushbelt::scalar::Lanes;
 use pushbelt::solver::Factors;
 use pushbelt::solver::View;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::variator::ring_models::{
     Ale0, Assembly, Belt, BeltMesh, BeltRing, CONSTRAINT_SCALE, InForce, Layout, PulleyLoad,
-    ResultantDerivatives, Sample,
+    ResultantDerivatives, RingEnergy, Sample,
 };
 use pushbelt::variator::settings::{Mesh, Parameters};
-use pushbelt::{pulley::PerPulley, reference_curve::TwoPulley};
 use std::ops::Range;
 
 /// `ALE0` without coordinates of the arcs' centres.
@@ -27,8 +27,8 @@ impl BeltRing for Centred {
         Ale0.mesh(sizes)
     }
 
-    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout {
-        Ale0.layout(parameters, mesh, curve)
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh) -> Layout {
+        Ale0.layout(parameters, mesh)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
@@ -64,17 +64,18 @@ impl Assembly for HeldCentres {
         acting: InForce<'_>,
         view: View<'_>,
         factors: Factors,
-        (matrix, resultants): (&mut Arrow, &mut ResultantDerivatives),
+        matrix: &mut Arrow,
+        resultants: &mut ResultantDerivatives,
     ) -> PerPulley<PulleyLoad> {
-        let loads = self.free.jacobian(acting, view, factors, (matrix, resultants));
+        let loads = self.free.jacobian(acting, view, factors, matrix, resultants);
         for centre in self.centres.clone() {
             matrix.set_unit_row(centre, CONSTRAINT_SCALE);
         }
         loads
     }
 
-    fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
-        self.free.sample(acting, view, out);
+    fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) -> RingEnergy {
+        self.free.sample(acting, view, out)
     }
 
     fn forget_derivatives(&mut self) {
@@ -85,7 +86,7 @@ impl Assembly for HeldCentres {
         self.free.serialize_derivatives(acting, archive);
     }
 
-    fn differentiations(&self) -> [u64; 2] {
+    fn differentiations(&self) -> u64 {
         self.free.differentiations()
     }
 }

@@ -4,9 +4,10 @@
 use std::sync::Arc;
 
 use pushbelt::pulley::Pulley;
+use pushbelt::reference_curve::TwoPulley;
 use pushbelt::ring::mesh::Element;
 use pushbelt::variator::Variator;
-use pushbelt::variator::ring_models::{Ale, Ale0, BeltMesh, BeltRing, CellDivision};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing};
 use pushbelt::variator::settings::{Drive, Outputs, Parameters, RingModel};
 use pushbelt_paper::belts::EvenMesh;
 use pushbelt_paper::unit::PaperRings;
@@ -174,15 +175,11 @@ fn arcs_longer_than_half_the_belt_are_refused() {
 
 #[test]
 fn evenly_spaced_elements_fill_the_belt_and_each_half_touches_one_pulley() {
-    let cells = CellDivision {
-        per_element: 2,
-        points: 2,
-    };
-    let [even, aligned] =
-        [false, true].map(|aligned| BeltMesh::new(&Parameters::default().mesh, cells, aligned));
+    let sizes = &Parameters::default().mesh;
+    let (even, aligned) = (EvenMesh(Ale::<2>).mesh(sizes), Ale::<2>.mesh(sizes));
     assert_eq!(even.elements.len(), aligned.elements.len());
     let length = 1.0 / even.elements.len() as f64;
-    let fills = |e: &Element| e.segment == 0 && (e.length - length).abs() < 1e-15;
+    let fills = |e: &Element| e.segment == TwoPulley::WHOLE && (e.length - length).abs() < 1e-15;
     assert!(even.elements.iter().all(fills));
     let touching = |pulley| even.cells.iter().filter(|c| c.pulley == pulley).count();
     assert_eq!((touching(Pulley::Secondary), touching(Pulley::Primary)), (52, 52));

@@ -2,12 +2,10 @@
 
 use std::sync::Arc;
 
-use pushbelt::reference_curve::ReferenceCurve;
 use pushbelt::solver::System;
-use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing, deflecting_equations, guided_equations};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing, eulerian_equations};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_paper::belts::{EvenMesh, Rotated};
-use pushbelt_paper::reference_curve::{TwoPulley, Unaligned};
 use pushbelt_paper_lab::{ancf, rcm, travelling};
 use pushbelt_support::disturbed::{
     Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_tangents, disturbed_with,
@@ -38,8 +36,8 @@ fn even() -> [(Parameters, Arc<dyn BeltRing>); 2] {
 #[test]
 fn analytic_derivatives_on_an_even_mesh_match_forward_differentiation() {
     let equations: [Equations; 2] = [
-        deflecting_equations::<2, Unaligned<TwoPulley>>,
-        guided_equations::<Unaligned<TwoPulley>>,
+        |belt, by_hand| eulerian_equations(EvenMesh(Ale::<2>), belt, by_hand),
+        |belt, by_hand| eulerian_equations(EvenMesh(Ale0), belt, by_hand),
     ];
     for ((mut parameters, ring), equations) in even().into_iter().zip(equations) {
         parameters.primary.tilt.stiffness = 7e5;

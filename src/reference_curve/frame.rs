@@ -7,9 +7,9 @@
 //!
 //! r(ξ, Θ, a, γ, s) = M + s + Γ(γ) (r₀(ξ, Θ, d_A + a) − M), M the middle between the axes.
 //!
-//! A ring that stretches grows by δ along its outward normal: its arcs have the radii r_P + δ, r_S
-//! + δ, and the loop is longer by 2πδ. ξ remains the length along the curve without growth, so |r'|
-//! = 1 + δκ, with κ the turning per dξ.
+//! A ring that stretches grows by δ along its outward normal: its arcs have the radii r_P + δ and
+//! r_S + δ, and the loop is longer by 2πδ. ξ remains the length along the curve without growth, so
+//! |r'| = 1 + δκ, with κ the turning per dξ.
 //!
 //! The six coordinates are Θ, spread a, turn γ, shift s (two) and growth δ; both centres are free.
 //! Of their derivatives only ∂/∂a is new. The closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a =
@@ -20,50 +20,93 @@
 //! rates of a motion. The projection of forces uses the first derivatives with respect to each
 //! coordinate: [`CoordinateDerivatives`].
 
-use super::{Jet, ReferenceCurve, ReferencePoint, TwoPulley};
+use super::{Jet, ReferencePoint, TwoPulley};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
-/// The curve of two pulleys on a mesh, which follows the arcs or not.
-pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Sync {
-    /// The frame at one place of a path of the coordinates.
-    fn on_path<T: Real>(curve: &TwoPulley, path: &Path<T>) -> Self::Frame<T>;
-
-    /// Arcs and strands of a frame.
-    fn arcs<T: Real>(frame: &Self::Frame<T>) -> &TwoPulleyFrame<T>;
-
-    /// Derivatives with respect to the coordinates at a fraction of a segment, where the curve is
-    /// `point`.
-    fn derivatives<T: Real>(
-        frame: &Self::Frame<T>,
-        segment: usize,
-        fraction: T,
-        point: &ReferencePoint<T>,
-    ) -> CoordinateDerivatives<T>;
-}
-
-/// Number of segments: half the secondary arc, strand, primary arc, strand, half the secondary arc.
-const SEGMENTS: usize = 5;
-/// Number of coordinates: Θ, spread a (m), turn γ (rad), shift s (two, m), growth δ (m).
+const SEGMENTS: usize = TwoPulley::SEGMENTS;
+/// Number of coordinates.
 pub const COORDINATES: usize = 6;
 /// Coordinates that change the shape: Θ and spread. They come first.
 const OF_SHAPE: usize = 2;
 
-/// Coordinates with their first and second derivatives along a path.
-pub type Path<T> = [Jet<T>; COORDINATES];
+/// A value for each coordinate of the curve.
+#[derive(Clone, Copy, Debug)]
+pub struct CurveCoordinates<V> {
+    /// Θ.
+    pub theta: V,
+    /// Spread a, m.
+    pub spread: V,
+    /// Turn γ, rad.
+    pub turn: V,
+    /// Shift s, m.
+    pub shift: [V; 2],
+    /// Growth δ, m.
+    pub growth: V,
+}
 
-/// The path whose variable is Θ.
-#[inline(always)]
-pub fn along_theta<T: Real>(theta: T) -> Path<T> {
-    let mut path = [Jet::constant(0.0); COORDINATES];
-    (path[0].v, path[0].d) = (theta, T::one());
-    path
+impl<V> CurveCoordinates<V> {
+    /// From the values in the order of the fields.
+    #[inline(always)]
+    pub fn from_array([theta, spread, turn, x, y, growth]: [V; COORDINATES]) -> Self {
+        Self {
+            theta,
+            spread,
+            turn,
+            shift: [x, y],
+            growth,
+        }
+    }
+
+    /// The values in the order of the fields.
+    #[inline(always)]
+    pub fn to_array(self) -> [V; COORDINATES] {
+        let [x, y] = self.shift;
+        [self.theta, self.spread, self.turn, x, y, self.growth]
+    }
+
+    /// `f` of each value.
+    #[inline(always)]
+    pub fn map<U>(self, f: impl Fn(V) -> U) -> CurveCoordinates<U> {
+        CurveCoordinates::from_array(self.to_array().map(f))
+    }
+}
+
+/// Coordinates with their first and second derivatives along a path.
+pub type Path<T> = CurveCoordinates<Jet<T>>;
+
+impl<T: Real> Path<T> {
+    /// The path whose variable is Θ.
+    #[inline(always)]
+    pub fn along_theta(theta: T) -> Self {
+        let mut path = Self::from_array([Jet::constant(0.0); COORDINATES]);
+        (path.theta.v, path.theta.d) = (theta, T::one());
+        path
+    }
+}
+
+/// A place on the curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePlace {
+    /// Segment.
+    pub segment: usize,
+    /// Fraction of the segment.
+    pub fraction: f64,
+}
+
+/// Start and vector of a strand, or their derivatives.
+#[derive(Clone, Copy, Debug)]
+struct Strand<V> {
+    start: V,
+    along: V,
 }
 
 /// [`TwoPulley`] at one place of a path.
 #[derive(Clone, Debug)]
 pub struct TwoPulleyFrame<T: Real> {
+    /// Length L of the curve without growth, m.
+    pub length: f64,
     centers: [Jet<Vector2<T>>; 2],
     /// Arc radii without growth, secondary first, m.
     pub radius: [Jet<T>; 2],
@@ -76,8 +119,7 @@ pub struct TwoPulleyFrame<T: Real> {
     turn: Jet<T>,
     lengths: [Jet<T>; SEGMENTS],
     starts: [Jet<T>; SEGMENTS],
-    /// Start and vector of each strand.
-    strands: [[Jet<Vector2<T>>; 2]; 2],
+    strands: [Strand<Jet<Vector2<T>>>; 2],
     /// M + s, m.
     middle: Vector2<T>,
     d_shape: [ShapeDerivatives<T>; OF_SHAPE],
@@ -93,12 +135,20 @@ struct ShapeDerivatives<T: Real> {
     starts: [T; SEGMENTS],
     /// Derivatives of the logarithms of the lengths.
     dilations: [T; SEGMENTS],
-    strands: [(Vector2<T>, Vector2<T>); 2],
+    strands: [Strand<Vector2<T>>; 2],
 }
 
-/// Derivatives of the curve at a mesh point with respect to Θ and to the spread, and ∂r/∂γ, m.
-/// ∂r/∂s is the unit matrix, ∂r/∂δ the outward normal; none of the three changes ξ or κ.
-pub type CoordinateDerivatives<T> = ([PointDerivatives<T>; OF_SHAPE], Vector2<T>);
+/// Derivatives of the curve at a mesh point with respect to its coordinates. ∂r/∂s is the unit
+/// matrix, ∂r/∂δ the outward normal; turn, shift and growth change neither ξ nor κ.
+#[derive(Clone, Copy, Debug)]
+pub struct CoordinateDerivatives<T: Real> {
+    /// With respect to Θ.
+    pub theta: PointDerivatives<T>,
+    /// With respect to the spread.
+    pub spread: PointDerivatives<T>,
+    /// ∂r/∂γ, m.
+    pub turn: Vector2<T>,
+}
 
 /// Derivatives with respect to a coordinate at fixed η.
 #[derive(Clone, Copy, Debug)]
@@ -113,11 +163,29 @@ pub struct PointDerivatives<T: Real> {
     pub dilation: T,
 }
 
-/// r_P, r_S, φ and b at one place of a path through Θ and the distance d of the centres, and their
-/// derivatives with respect to Θ and spread.
-fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> ([Jet<T>; 4], [[T; 4]; OF_SHAPE]) {
-    let (ratio, i_theta) = ratio(theta);
-    let i = ratio.v;
+/// Radii, φ and length b of a strand, or their derivatives.
+struct Dimensions<V> {
+    r_p: V,
+    r_s: V,
+    phi: V,
+    b: V,
+}
+
+/// The same on a path, and the derivatives with respect to Θ and spread.
+struct DimensionsOnPath<T> {
+    here: Dimensions<Jet<T>>,
+    by_shape: [Dimensions<T>; OF_SHAPE],
+}
+
+/// The dimensions on a path through Θ and the distance d of the centres.
+fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> DimensionsOnPath<T> {
+    let by_theta = ratio(theta.v);
+    let ratio = Jet {
+        v: by_theta.v,
+        d: by_theta.d * theta.d,
+        dd: by_theta.d * theta.dd + by_theta.dd * theta.d * theta.d,
+    };
+    let (i, i_theta) = (ratio.v, by_theta.d);
     // Solved for plain numbers, and extended to `T` by the first derivatives.
     let (i0, d0) = (i.re(), d.v.re());
     let r0 = if d0 > 0.0 {
@@ -157,32 +225,36 @@ fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> ([Jet<T
 
     let derivatives = |d_r: T, d_i: T, d_d: T| {
         let d_delta = d_r - i * d_r - d_i * r;
-        [
-            d_r,
-            i * d_r + d_i * r,
-            -((d_delta - x * d_d) * per_b),
-            (d.v * d_d - delta * d_delta) * per_b,
-        ]
+        Dimensions {
+            r_p: d_r,
+            r_s: i * d_r + d_i * r,
+            phi: -((d_delta - x * d_d) * per_b),
+            b: (d.v * d_d - delta * d_delta) * per_b,
+        }
     };
-    let by_shape = [
-        derivatives(by_i * i_theta, i_theta, T::zero()),
-        derivatives(by_d, T::zero(), T::one()),
-    ];
-    let (phi, b) = (jet(phi, phi_dot, phi_ddot), jet(b, b_dot, b_ddot));
-    ([r_p, ratio.times(r_p), phi, b], by_shape)
+    DimensionsOnPath {
+        by_shape: [
+            derivatives(by_i * i_theta, i_theta, T::zero()),
+            derivatives(by_d, T::zero(), T::one()),
+        ],
+        here: Dimensions {
+            r_p,
+            r_s: ratio.times(r_p),
+            phi: jet(phi, phi_dot, phi_ddot),
+            b: jet(b, b_dot, b_ddot),
+        },
+    }
 }
 
-/// i_g on a path through Θ, and di_g/dΘ.
-fn ratio<T: Real>(theta: &Jet<T>) -> (Jet<T>, T) {
-    let inverse = (theta.v + 1.0).recip();
-    let slope = -(inverse * inverse * 2.0);
-    let bend = -(slope * inverse * 2.0);
-    let ratio = Jet {
-        v: super::ratio_of_theta(theta.v),
-        d: slope * theta.d,
-        dd: slope * theta.dd + bend * theta.d * theta.d,
-    };
-    (ratio, slope)
+/// i_g with its derivatives with respect to Θ.
+fn ratio<T: Real>(theta: T) -> Jet<T> {
+    let inverse = (theta + 1.0).recip();
+    let d = -(inverse * inverse * 2.0);
+    Jet {
+        v: super::ratio_of_theta(theta),
+        d,
+        dd: -(d * inverse * 2.0),
+    }
 }
 
 /// Values of all segments from those of half the secondary arc, a strand and the primary arc.
@@ -190,14 +262,14 @@ fn symmetric<V: Copy>(half: V, strand: V, arc: V) -> [V; SEGMENTS] {
     [half, strand, arc, strand, half]
 }
 
-/// Pulley, and tangent angle at the start and sweep, each as [a, b] in a + bφ, of the segments.
-const ANGLES: [(usize, [f64; 2], [f64; 2]); SEGMENTS] = [
-    (0, [0.0, 0.0], [0.0, 1.0]),
-    (0, [0.0, 1.0], [0.0, 0.0]),
-    (1, [0.0, 1.0], [2.0 * PI, -2.0]),
-    (1, [2.0 * PI, -1.0], [0.0, 0.0]),
-    (0, [2.0 * PI, -1.0], [0.0, 1.0]),
-];
+/// Pulley of each segment: of an arc its own, of a strand the one at its start.
+const PULLEYS: [usize; SEGMENTS] = [0, 0, 1, 1, 0];
+/// Tangent angle at the start of each segment, rad, without its part by φ; that part.
+const STARTS: [f64; SEGMENTS] = [0.0, 0.0, 0.0, 2.0 * PI, 2.0 * PI];
+const STARTS_BY_PHI: [f64; SEGMENTS] = [0.0, 1.0, 1.0, -1.0, -1.0];
+/// The same for its change along each segment.
+const SWEEPS: [f64; SEGMENTS] = [0.0, 0.0, 2.0 * PI, 0.0, 0.0];
+const SWEEPS_BY_PHI: [f64; SEGMENTS] = [1.0, 0.0, -2.0, 0.0, 1.0];
 
 #[inline(always)]
 fn is_strand(segment: usize) -> bool {
@@ -211,50 +283,50 @@ impl<T: Real> TwoPulleyFrame<T> {
         [self.phi.v * 2.0, self.phi.v * -2.0 + 2.0 * PI]
     }
 
-    /// Pulley of a segment: of an arc its own, of a strand the one at its start; its tangent angle
-    /// χ at `fraction`, rad.
+    /// Tangent angle χ at `fraction` of a segment, rad.
     #[inline(always)]
-    pub fn angle(&self, segment: usize, fraction: T::Constant) -> (usize, Jet<T>) {
-        let (pulley, start, sweep) = ANGLES[segment];
-        let mut chi = self.turn.plus_scaled(self.phi, fraction * sweep[1] + start[1]);
-        chi.v += T::constant(fraction * sweep[0] + start[0]);
-        (pulley, chi)
-    }
-}
-
-/// Derivatives are those along the path of the frame.
-impl ReferenceCurve for TwoPulley {
-    type Frame<T: Real> = TwoPulleyFrame<T>;
-
-    fn length(&self) -> f64 {
-        self.length
+    pub fn angle(&self, segment: usize, fraction: T::Constant) -> Jet<T> {
+        let by_phi = fraction * SWEEPS_BY_PHI[segment] + STARTS_BY_PHI[segment];
+        let mut chi = self.turn.plus_scaled(self.phi, by_phi);
+        chi.v += T::constant(fraction * SWEEPS[segment] + STARTS[segment]);
+        chi
     }
 
-    fn segments(&self) -> usize {
-        SEGMENTS
-    }
-
-    fn frame<T: Real>(&self, theta: T) -> TwoPulleyFrame<T> {
-        Self::on_path(self, &along_theta(theta))
-    }
-
+    /// Curvature κ of a segment without growth, 1/m.
     #[inline(always)]
-    fn segment_length<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize) -> Jet<T> {
-        frame.lengths[segment]
-    }
-
-    #[inline(always)]
-    fn point<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
-        let (pulley, chi) = frame.angle(segment, fraction);
-        let (position, n, kappa) = if is_strand(segment) {
-            let [start, along] = frame.strands[segment / 2];
-            let n = turn_right(along.v * frame.lengths[segment].v.recip());
-            (start.plus_scaled(along, T::constant(fraction)), n, Jet::constant(0.0))
+    pub fn curvature(&self, segment: usize) -> Jet<T> {
+        if is_strand(segment) {
+            Jet::constant(0.0)
         } else {
-            let grown = frame.radius[pulley].plus_scaled(frame.growth, 1.0);
+            self.radius[PULLEYS[segment]].recip()
+        }
+    }
+
+    /// Length of a segment, m.
+    #[inline(always)]
+    pub fn segment_length(&self, segment: usize) -> Jet<T> {
+        if segment == TwoPulley::WHOLE {
+            Jet::constant(self.length)
+        } else {
+            self.lengths[segment]
+        }
+    }
+
+    /// The curve at `fraction` of a segment. Derivatives are those along the path of the frame.
+    #[inline(always)]
+    pub fn point(&self, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
+        let pulley = PULLEYS[segment];
+        let chi = self.angle(segment, fraction);
+        let kappa = self.curvature(segment);
+        let (position, n) = if is_strand(segment) {
+            let Strand { start, along } = self.strands[segment / 2];
+            let n = turn_right(along.v * self.lengths[segment].v.recip());
+            (start.plus_scaled(along, T::constant(fraction)), n)
+        } else {
+            let grown = self.radius[pulley].plus_scaled(self.growth, 1.0);
             let arm = Jet::polar(grown, chi);
-            let position = frame.centers[pulley].plus_scaled(arm, T::one());
-            (position, arm.v * -grown.v.recip(), frame.radius[pulley].recip())
+            let position = self.centers[pulley].plus_scaled(arm, T::one());
+            (position, arm.v * -grown.v.recip())
         };
         ReferencePoint {
             r: position.v,
@@ -265,17 +337,93 @@ impl ReferenceCurve for TwoPulley {
             chi_theta: chi.d,
             kappa: kappa.v,
             kappa_theta: kappa.d,
-            xi: frame.starts[segment].plus_scaled(frame.lengths[segment], fraction),
+            xi: self.starts[segment].plus_scaled(self.lengths[segment], fraction),
+        }
+    }
+
+    /// Derivatives with respect to the coordinates at `fraction` of a segment, where the curve is
+    /// `point`.
+    #[inline(always)]
+    pub fn derivatives(
+        &self,
+        segment: usize,
+        fraction: T,
+        point: &ReferencePoint<T>,
+    ) -> CoordinateDerivatives<T> {
+        let (t, n) = (point.t, point.n);
+        let [theta, spread] = self.d_shape.each_ref().map(|d| {
+            let (r, kappa) = if is_strand(segment) {
+                let Strand { start, along } = &d.strands[segment / 2];
+                (start + along * fraction, T::zero())
+            } else {
+                let pulley = PULLEYS[segment];
+                let chi = (fraction * SWEEPS_BY_PHI[segment] + STARTS_BY_PHI[segment]) * d.phi;
+                let across = n * -d.radius[pulley];
+                (
+                    d.centers[pulley] + across + t * ((self.radius[pulley].v + self.growth.v) * chi),
+                    -(d.radius[pulley] * point.kappa * point.kappa),
+                )
+            };
+            PointDerivatives {
+                r,
+                xi: d.starts[segment] + d.lengths[segment] * fraction,
+                kappa,
+                dilation: d.dilations[segment],
+            }
+        });
+        CoordinateDerivatives {
+            theta,
+            spread,
+            turn: turn_right(point.r - self.middle),
         }
     }
 }
 
-impl MeshCurve for TwoPulley {
-    fn on_path<T: Real>(curve: &TwoPulley, path: &Path<T>) -> TwoPulleyFrame<T> {
-        let [theta, spread, turn, x, y, growth] = *path;
-        let axes = curve.center_distance;
+impl TwoPulleyFrame<f64> {
+    /// The same place, on a segment other than [`TwoPulley::WHOLE`].
+    #[must_use]
+    pub fn place(&self, segment: usize, fraction: f64) -> CurvePlace {
+        let mut place = CurvePlace { segment, fraction };
+        if segment == TwoPulley::WHOLE {
+            place.segment = 0;
+            let mut rest = fraction * self.length;
+            while place.segment + 1 < SEGMENTS && rest >= self.lengths[place.segment].v {
+                rest -= self.lengths[place.segment].v;
+                place.segment += 1;
+            }
+            place.fraction = (rest / self.lengths[place.segment].v).min(1.0);
+        }
+        place
+    }
+}
+
+impl TwoPulley {
+    /// Number of segments: half the secondary arc, strand, primary arc, strand, half the secondary
+    /// arc.
+    pub const SEGMENTS: usize = 5;
+    /// The whole curve as a segment of elements that do not follow the arcs.
+    pub const WHOLE: usize = Self::SEGMENTS;
+
+    /// The curve at Θ. Outside the admissible range of Θ the frame holds NaN.
+    #[must_use]
+    pub fn frame<T: Real>(&self, theta: T) -> TwoPulleyFrame<T> {
+        self.on_path(&Path::along_theta(theta))
+    }
+
+    /// The curve at one place of a path of the coordinates.
+    #[must_use]
+    pub fn on_path<T: Real>(&self, path: &Path<T>) -> TwoPulleyFrame<T> {
+        let CurveCoordinates {
+            theta,
+            spread,
+            turn,
+            shift: [x, y],
+            growth,
+        } = *path;
+        let axes = self.center_distance;
         let distance = spread.plus_scaled(Jet::constant(axes), 1.0);
-        let ([r_p, r_s, phi, b], d_dimensions) = dimensions(curve, &theta, &distance);
+        let DimensionsOnPath { here, by_shape } = dimensions(self, &theta, &distance);
+        let Dimensions { r_p, r_s, phi, b } = here;
         let radius = [r_s, r_p];
         let grown = radius.map(|radius| radius.plus_scaled(growth, 1.0));
         let half = r_s.times(phi);
@@ -299,18 +447,19 @@ impl MeshCurve for TwoPulley {
         let quarter = Jet::constant(PI / 2.0);
         let strands = [(0, upper), (1, lower)].map(|(pulley, chi)| {
             let start = centers[pulley].plus_scaled(Jet::polar(grown[pulley], chi), T::one());
-            [start, Jet::polar(b, chi.plus_scaled(quarter, 1.0))]
+            let along = Jet::polar(b, chi.plus_scaled(quarter, 1.0));
+            Strand { start, along }
         });
         let per_length = lengths.map(|length| length.v.recip());
         let toward = arm.v * (distance.v * 0.5).recip();
         let d_shape = std::array::from_fn(|k| {
-            let [d_r_p, d_r_s, d_phi, d_b] = d_dimensions[k];
-            let d_radius = [d_r_s, d_r_p];
+            let d = &by_shape[k];
+            let d_radius = [d.r_s, d.r_p];
             let arc = |radius: T, d_radius: T, angle: T, d_angle: T| d_radius * angle + radius * d_angle;
             let d_lengths = symmetric(
-                arc(r_s.v, d_r_s, phi.v, d_phi),
-                d_b,
-                arc(r_p.v, d_r_p, opposite.v, -d_phi) * 2.0,
+                arc(r_s.v, d.r_s, phi.v, d.phi),
+                d.b,
+                arc(r_p.v, d.r_p, opposite.v, -d.phi) * 2.0,
             );
             let mut starts = [T::zero(); SEGMENTS];
             for k in 1..SEGMENTS {
@@ -320,16 +469,17 @@ impl MeshCurve for TwoPulley {
             let centers = [toward * apart, toward * -apart];
             let per_b = b.v.recip();
             let strands = std::array::from_fn(|strand| {
-                let t = strands[strand][1].v * per_b;
+                let t = strands[strand].along.v * per_b;
                 let n = turn_right(t);
-                let chi = if strand == 0 { d_phi } else { -d_phi };
+                let chi = if strand == 0 { d.phi } else { -d.phi };
                 let start = centers[strand] - n * d_radius[strand] + t * (grown[strand].v * chi);
-                (start, t * d_b + n * (b.v * chi))
+                let along = t * d.b + n * (b.v * chi);
+                Strand { start, along }
             });
             ShapeDerivatives {
                 centers,
                 radius: d_radius,
-                phi: d_phi,
+                phi: d.phi,
                 lengths: d_lengths,
                 starts,
                 dilations: std::array::from_fn(|k| d_lengths[k] * per_length[k]),
@@ -337,10 +487,11 @@ impl MeshCurve for TwoPulley {
             }
         });
         TwoPulleyFrame {
+            length: self.length,
             centers,
             radius,
             growth,
-            strain: growth.map(|growth| growth * (2.0 * PI / curve.length)),
+            strain: growth.map(|growth| growth * (2.0 * PI / self.length)),
             phi,
             turn,
             lengths,
@@ -349,41 +500,5 @@ impl MeshCurve for TwoPulley {
             middle: middle.v,
             d_shape,
         }
-    }
-
-    #[inline(always)]
-    fn arcs<T: Real>(frame: &TwoPulleyFrame<T>) -> &TwoPulleyFrame<T> {
-        frame
-    }
-
-    #[inline(always)]
-    fn derivatives<T: Real>(
-        frame: &TwoPulleyFrame<T>,
-        segment: usize,
-        fraction: T,
-        point: &ReferencePoint<T>,
-    ) -> CoordinateDerivatives<T> {
-        let (t, n) = (point.t, point.n);
-        let shape = frame.d_shape.each_ref().map(|d| {
-            let (r, kappa) = if is_strand(segment) {
-                let (start, along) = &d.strands[segment / 2];
-                (start + along * fraction, T::zero())
-            } else {
-                let (pulley, start, sweep) = ANGLES[segment];
-                let chi = (fraction * sweep[1] + start[1]) * d.phi;
-                let across = n * -d.radius[pulley];
-                (
-                    d.centers[pulley] + across + t * ((frame.radius[pulley].v + frame.growth.v) * chi),
-                    -(d.radius[pulley] * point.kappa * point.kappa),
-                )
-            };
-            PointDerivatives {
-                r,
-                xi: d.starts[segment] + d.lengths[segment] * fraction,
-                kappa,
-                dilation: d.dilations[segment],
-            }
-        });
-        (shape, turn_right(point.r - frame.middle))
     }
 }

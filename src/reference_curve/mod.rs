@@ -1,4 +1,4 @@
-//! Reference curves (paper 2, 3.1, 5.1): a closed planar curve r(ξ, Θ) of fixed length L that
+//! The reference curve (paper 2, 3.1, 5.1): a closed planar curve r(ξ, Θ) of fixed length L that
 //! changes with one ratio coordinate Θ, divided into segments on which it is smooth.
 //!
 //! A mesh point η is a segment and a fraction f ∈ [0, 1] of it; ξ(η, Θ) moves with Θ while the
@@ -11,7 +11,7 @@ mod jet;
 mod two_pulley;
 
 pub use frame::{
-    COORDINATES, CoordinateDerivatives, MeshCurve, Path, PointDerivatives, TwoPulleyFrame, along_theta,
+    COORDINATES, CoordinateDerivatives, CurveCoordinates, CurvePlace, Path, PointDerivatives, TwoPulleyFrame,
 };
 pub use jet::Jet;
 pub use two_pulley::{GeometryError, TwoPulley, ratio_of_theta};
@@ -40,40 +40,4 @@ pub struct ReferencePoint<T: Real> {
     pub kappa_theta: T,
     /// Place ξ(η, Θ) on the curve, m.
     pub xi: Jet<T>,
-}
-
-/// A closed curve with one ratio coordinate Θ. For another belt system, implement this trait (paper
-/// section 7).
-pub trait ReferenceCurve: Clone + Send + 'static {
-    /// Quantities that depend on Θ alone, computed once for all mesh points.
-    type Frame<T: Real>: Clone;
-
-    /// Length L of the curve, the same for every Θ, m.
-    fn length(&self) -> f64;
-
-    /// Number of segments.
-    fn segments(&self) -> usize;
-
-    /// Geometry at Θ. Outside the admissible range of Θ the frame holds NaN.
-    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T>;
-
-    /// Length of a segment, m.
-    fn segment_length<T: Real>(frame: &Self::Frame<T>, segment: usize) -> Jet<T>;
-
-    /// The curve at fraction `fraction` of `segment`.
-    fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T>;
-
-    /// Segment and fraction at the place ξ, m, taken around the loop.
-    fn locate(&self, frame: &Self::Frame<f64>, xi: f64) -> (usize, f64) {
-        let mut rest = xi.rem_euclid(self.length());
-        let last = self.segments() - 1;
-        for segment in 0..last {
-            let length = Self::segment_length(frame, segment).v;
-            if rest < length {
-                return (segment, rest / length);
-            }
-            rest -= length;
-        }
-        (last, (rest / Self::segment_length(frame, last).v).min(1.0))
-    }
 }

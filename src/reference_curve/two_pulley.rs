@@ -6,6 +6,7 @@
 //! whole loop is one formula: arc points O + r(−cos χ, sin χ) with χ from 0 to φ on S, φ to 2π−φ on
 //! P, 2π−φ to 2π on S.
 
+use crate::pulley::PerPulley;
 use crate::scalar::Real;
 use std::f64::consts::PI;
 
@@ -24,6 +25,12 @@ const MAX_SINE: f64 = 0.9999;
 pub struct TwoPulley {
     pub(super) center_distance: f64,
     pub(super) length: f64,
+}
+
+/// Length of the curve less L, m, and its derivative with respect to r_P, α_P + i_g α_S.
+struct Closure {
+    excess: f64,
+    slope: f64,
 }
 
 /// The belt does not fit the pulleys.
@@ -55,14 +62,22 @@ impl TwoPulley {
         }
     }
 
-    /// Closure (27): length of the curve less L, m, and its derivative with respect to r_P at ratio
-    /// `ratio`, α_P + i_g α_S.
-    fn closure(&self, r_p: f64, ratio: f64) -> (f64, f64) {
+    /// Length L of the curve, m, the same for every Θ.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Closure (27) at ratio `ratio`.
+    fn closure(&self, r_p: f64, ratio: f64) -> Closure {
         let (d, difference) = (self.center_distance, r_p - ratio * r_p);
         let phi = (difference / d).acos();
         let slope = 2.0 * (PI - phi) + 2.0 * phi * ratio;
         let strand = (d * d - difference * difference).sqrt();
-        (2.0 * strand + slope * r_p - self.length, slope)
+        Closure {
+            excess: 2.0 * strand + slope * r_p - self.length,
+            slope,
+        }
     }
 
     /// r_P at ratio `ratio`, m; NaN where there is none.
@@ -81,7 +96,7 @@ impl TwoPulley {
         let limit = MAX_SINE * d / (1.0 - ratio).abs();
         r_p = r_p.max(0.0).min(limit);
         for _ in 0..NEWTON_STEPS {
-            let (excess, slope) = self.closure(r_p, ratio);
+            let Closure { excess, slope } = self.closure(r_p, ratio);
             let step = excess / slope;
             r_p = (r_p - step).min(limit);
             if step.abs() < CLOSED * self.length {
@@ -91,16 +106,16 @@ impl TwoPulley {
         r_p
     }
 
-    /// Reference radii (r_P, r_S) at a geometric ratio, m.
+    /// Reference radii at a geometric ratio, m.
     ///
     /// # Errors
     /// The belt is too short or too long for the distance of the axes.
-    pub fn radii(&self, ratio: f64) -> Result<(f64, f64), GeometryError> {
-        let r_p = self.primary_radius(ratio);
-        let r_s = ratio * r_p;
-        let closes = self.closure(r_p, ratio).0.abs() < CLOSED * self.length;
-        if ratio > 0.0 && closes && r_p > 0.0 && r_s > 0.0 {
-            Ok((r_p, r_s))
+    pub fn radii(&self, ratio: f64) -> Result<PerPulley<f64>, GeometryError> {
+        let primary = self.primary_radius(ratio);
+        let secondary = ratio * primary;
+        let closes = self.closure(primary, ratio).excess.abs() < CLOSED * self.length;
+        if ratio > 0.0 && closes && primary > 0.0 && secondary > 0.0 {
+            Ok(PerPulley { secondary, primary })
         } else {
             Err(GeometryError {
                 length: self.length,

@@ -7,9 +7,8 @@ use crate::scalar::Lanes;
 use crate::solver::Factors;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
-use crate::variator::belt::equations::{Assembly, InForce};
+use crate::variator::belt::equations::{Assembly, InForce, PulleyLoad, ResultantDerivatives, RingEnergy};
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
@@ -113,17 +112,11 @@ impl VariatorSystem {
     }
 
     /// Values at the stations of each group of cells.
-    pub(crate) fn sample(&self, view: View<'_>, out: &mut Vec<Sample<Lanes>>) {
+    pub(crate) fn sample(&self, view: View<'_>, out: &mut Vec<Sample<Lanes>>) -> RingEnergy {
         let belt = &*self.belt;
         out.resize(belt.mesh.groups.len() * belt.mesh.points, Sample::default());
         let friction = &self.friction();
-        self.assembly.sample(InForce { belt, friction }, view, out);
-    }
-
-    /// Energy, J, and damping loss, W, of a ring that has elements of its own; else zero.
-    #[must_use]
-    pub fn ring_energy(&self, view: View<'_>) -> [f64; 2] {
-        self.assembly.ring_energy(&self.belt, view)
+        self.assembly.sample(InForce { belt, friction }, view, out)
     }
 
     /// Sets loads. At `time` they replace those before, and the rates `y_dot` jump with them.
@@ -152,9 +145,9 @@ impl VariatorSystem {
         self.assembly.serialize_derivatives(InForce { belt, friction }, archive);
     }
 
-    /// Number of evaluations of all derivatives of the cells, and of constitutive tangents alone.
+    /// How often all derivatives of the cells were evaluated.
     #[must_use]
-    pub fn differentiations(&self) -> [u64; 2] {
+    pub fn differentiations(&self) -> u64 {
         self.assembly.differentiations()
     }
 }
@@ -207,16 +200,14 @@ impl System for VariatorSystem {
     }
 
     fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) -> f64 {
-        let [before, _] = self.differentiations();
+        let before = self.differentiations();
         out.clear();
         let friction = &self.friction();
         let belt = &*self.belt;
         self.resultants.clear();
         let factors = Factors { alpha, beta };
-        let of_belt = (&mut *out, &mut self.resultants);
-        let loads = self
-            .assembly
-            .jacobian(InForce { belt, friction }, view, factors, of_belt);
+        let acting = InForce { belt, friction };
+        let loads = self.assembly.jacobian(acting, view, factors, out, &mut self.resultants);
         let boundary = self.boundary(time);
         self.pulleys()
             .jacobian(&boundary, &loads, &self.resultants, view, factors, out);
@@ -226,8 +217,7 @@ impl System for VariatorSystem {
                 out.add(node, c.multiplier, CONSTRAINT_SCALE * sign);
             }
         }
-        let [after, _] = self.differentiations();
-        (after - before) as f64
+        (self.differentiations() - before) as f64
     }
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
@@ -241,9 +231,12 @@ impl System for VariatorSystem {
                 out[layout.tension(cell)] = TENSION;
             }
         }
-        let ring_speed = self.belt.ring.speed_error(velocity, slip);
-        for (i, is_length) in layout.node_unknowns() {
-            out[i] = ring_speed * if is_length { 1.0 } else { PER_METRE };
+        let material = &self.belt.material_mesh;
+        let of_ring = material
+            .as_ref()
+            .map_or(velocity, |of| velocity.min(of.speed_error * slip));
+        for i in layout.node_unknowns() {
+            out[i] = of_ring * if layout.is_length(i) { 1.0 } else { PER_METRE };
         }
         out[layout.free()].fill(1.0);
         if !layout.has_tension() {

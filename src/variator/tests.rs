@@ -1,5 +1,6 @@
 //! The symmetry of the assembled system, and what the error norm refuses.
 
+use super::belt::CellUnknowns;
 use super::diagnostics::energy_balance::{EnergyBalance, Problem};
 use super::settings::parameters::Parameters;
 use super::steady::start::{Start, kinematic_state};
@@ -62,7 +63,7 @@ fn no_step_with_an_error_that_is_no_number_is_accepted() {
     let mut system = VariatorSystem::new(&parameters);
     let mut energy = EnergyBalance::default();
     let layout = system.belt.layout;
-    let [speed, content] = system.belt.cells_at[3].to_array();
+    let CellUnknowns { speed, content } = system.belt.cells_at[3];
     let [sheave, shaft] = [layout.sheave(Pulley::Primary), layout.shaft_speed(Pulley::Secondary)];
     let tilt = layout.tilt(Pulley::Primary, 1);
     let (system, energy) = (&mut system, &mut energy);

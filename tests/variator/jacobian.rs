@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use pushbelt::reference_curve::TwoPulley;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
-use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing, deflecting_equations, guided_equations};
+use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing, eulerian_equations};
 use pushbelt::variator::settings::{BeltKind, Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::disturbed::{
@@ -30,9 +29,13 @@ fn variators(kind: BeltKind) -> [Parameters; 3] {
 #[test]
 fn hand_written_derivatives_are_exact() {
     let rings: [(Arc<dyn BeltRing>, Equations); 3] = [
-        (Arc::new(Ale::<2>), deflecting_equations::<2, TwoPulley>),
-        (Arc::new(Ale::<3>), deflecting_equations::<3, TwoPulley>),
-        (Arc::new(Ale0), guided_equations::<TwoPulley>),
+        (Arc::new(Ale::<2>), |belt, by_hand| {
+            eulerian_equations(Ale::<2>, belt, by_hand)
+        }),
+        (Arc::new(Ale::<3>), |belt, by_hand| {
+            eulerian_equations(Ale::<3>, belt, by_hand)
+        }),
+        (Arc::new(Ale0), |belt, by_hand| eulerian_equations(Ale0, belt, by_hand)),
     ];
     for kind in KINDS {
         for (parameters, (ring, equations)) in variators(kind).iter().zip(&rings) {

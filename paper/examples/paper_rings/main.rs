@@ -17,7 +17,7 @@ use pushbelt::variator::Variator;
 use pushbelt::variator::ring_models::{self, BeltRing};
 use pushbelt::variator::settings::RingModel;
 use pushbelt_paper::belts::Rotated;
-use pushbelt_paper::reference_curve::{AngledCurve, TwoPulley, Unaligned};
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley, Unaligned};
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
@@ -309,7 +309,7 @@ fn reference_motion(jobs: &mut Vec<Job>, plan: Plan) {
 }
 
 /// The reference oscillation on a mesh that follows the arcs or does not.
-fn swing<C: AngledCurve + Debug>(tables: &mut Tables, name: &str, curve: C, mesh: RingMesh) {
+fn swing<C: ReferenceCurve + Debug>(tables: &mut Tables, name: &str, curve: C, mesh: RingMesh) {
     let (system, record, size) = reference_oscillation(curve, mesh, 1.0e-7);
     let drift = record.energy_drift() / size;
     tables.report("2", "energy drift, of the swing's energy", name, drift, None);
@@ -355,7 +355,7 @@ fn released<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan, specimen: Specim
 
 /// Ratio of smallest to largest eigenvalue of the mass matrix, without held unknowns and with those
 /// of the model, in units in which every overlay has the mass of a node.
-fn mass_condition<C: AngledCurve + Debug>(system: &RingSystem<AleRing<C>>) -> [f64; 2] {
+fn mass_condition<C: ReferenceCurve + Debug>(system: &RingSystem<AleRing<C>>) -> [f64; 2] {
     let mass = system.mass_matrix(&system.rest(0.4).q);
     let scaled = |free: &[usize]| {
         let part = mass.select_rows(free).select_columns(free);

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use crate::system::RingSystem;
 use pushbelt::ring::Ring;
-use pushbelt_paper::reference_curve::AngledCurve;
+use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::ale_ring::{AleRing, OverlayDirections};
 use pushbelt_paper::ring::ancf::Ancf;
 use pushbelt_paper::ring::mesh::RingMesh;
@@ -14,7 +14,7 @@ use pushbelt_paper::ring::rcm::Rcm;
 /// A ring model under test.
 pub trait Case<const D: usize = 2, const N: usize = 10> {
     /// The model on a curve.
-    type Model<C: AngledCurve + Debug>: RingFormulation<D, N>;
+    type Model<C: ReferenceCurve + Debug>: RingFormulation<D, N>;
     const NAME: &'static str;
     /// Order of convergence of frequencies in the element length, if both stretch and bending are
     /// relevant.
@@ -22,8 +22,8 @@ pub trait Case<const D: usize = 2, const N: usize = 10> {
     /// Elements of 160 degrees of freedom, as in the paper.
     const ELEMENTS: usize = 40;
     /// A model with about `elements` elements, exactly so on a circle.
-    fn model<C: AngledCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Self::Model<C>;
-    fn system<C: AngledCurve + Debug>(
+    fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Self::Model<C>;
+    fn system<C: ReferenceCurve + Debug>(
         ring: Ring,
         curve: C,
         elements: usize,
@@ -54,20 +54,20 @@ pub struct AbsoluteNodal;
 pub struct CoRotational;
 
 impl Case for Ale {
-    type Model<C: AngledCurve + Debug> = AleRing<C>;
+    type Model<C: ReferenceCurve + Debug> = AleRing<C>;
     const NAME: &'static str = "ALE";
     const ORDER: f64 = 4.0;
-    fn model<C: AngledCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C> {
+    fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C> {
         let mesh = aligned(curve.segments(), elements, 3);
         AleRing::flexible(ring, curve, mesh)
     }
 }
 
 impl Case for AleTurning {
-    type Model<C: AngledCurve + Debug> = AleRing<C>;
+    type Model<C: ReferenceCurve + Debug> = AleRing<C>;
     const NAME: &'static str = "ALE, overlay along t and n";
     const ORDER: f64 = 4.0;
-    fn model<C: AngledCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C> {
+    fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C> {
         let mut model = Ale::model(ring, curve, elements);
         model.directions = OverlayDirections::Reference;
         model
@@ -75,20 +75,20 @@ impl Case for AleTurning {
 }
 
 impl Case<3, 14> for AleSpatial {
-    type Model<C: AngledCurve + Debug> = AleRing<C, 3>;
+    type Model<C: ReferenceCurve + Debug> = AleRing<C, 3>;
     const NAME: &'static str = "ALE in space";
     const ORDER: f64 = 4.0;
-    fn model<C: AngledCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C, 3> {
+    fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C, 3> {
         let mesh = aligned(curve.segments(), elements, 3);
         AleRing::spatial(ring, curve, mesh)
     }
 }
 
 impl Case<3, 14> for AleSpatialTurning {
-    type Model<C: AngledCurve + Debug> = AleRing<C, 3>;
+    type Model<C: ReferenceCurve + Debug> = AleRing<C, 3>;
     const NAME: &'static str = "ALE in space, overlay along t, n and b";
     const ORDER: f64 = 4.0;
-    fn model<C: AngledCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C, 3> {
+    fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C, 3> {
         let mut model = AleSpatial::model(ring, curve, elements);
         model.directions = OverlayDirections::Reference;
         model
@@ -96,21 +96,21 @@ impl Case<3, 14> for AleSpatialTurning {
 }
 
 impl Case for AbsoluteNodal {
-    type Model<C: AngledCurve + Debug> = Ancf<C>;
+    type Model<C: ReferenceCurve + Debug> = Ancf<C>;
     const NAME: &'static str = "ANCF";
     const ORDER: f64 = 4.0;
-    fn model<C: AngledCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Ancf<C> {
+    fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Ancf<C> {
         Ancf::new(ring, curve, elements, 3)
     }
 }
 
 impl Case for CoRotational {
-    type Model<C: AngledCurve + Debug> = Rcm<C>;
+    type Model<C: ReferenceCurve + Debug> = Rcm<C>;
     const NAME: &'static str = "RCM";
     const ELEMENTS: usize = 32;
     // One strain per element. Bending alone has order 4.
     const ORDER: f64 = 2.0;
-    fn model<C: AngledCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Rcm<C> {
+    fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Rcm<C> {
         Rcm::new(ring, curve, elements, 5)
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use pushbelt::scalar::Real;
-use pushbelt_paper::reference_curve::{AngledCurve, Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use pushbelt_paper::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
 use std::f64::consts::TAU;
 
 /// Circle about the origin, starting at its leftmost point.
@@ -49,9 +49,7 @@ impl ReferenceCurve for Circle {
             },
         }
     }
-}
 
-impl AngledCurve for Circle {
     fn has_ratio(&self) -> bool {
         false
     }

@@ -20,7 +20,7 @@
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};
 use pushbelt::scalar::{Real, turn_right};
-use pushbelt_paper::reference_curve::{AngledCurve, Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use pushbelt_paper::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
@@ -373,9 +373,7 @@ impl<const N: usize> ReferenceCurve for BeltDrive<N> {
             xi,
         }
     }
-}
 
-impl<const N: usize> AngledCurve for BeltDrive<N> {
     fn has_ratio(&self) -> bool {
         self.tensioner.is_some()
     }

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use crate::system::RingSystem;
 use pushbelt::solver::State;
-use pushbelt_paper::reference_curve::AngledCurve;
+use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::Energy;
@@ -14,7 +14,7 @@ use super::record::{Record, record};
 use super::specimens::{solid, solid_curve};
 
 /// The solid ring that follows its reference curve.
-pub fn rigid<C: AngledCurve + Debug>(curve: C, mesh: RingMesh) -> RingSystem<AleRing<C>> {
+pub fn rigid<C: ReferenceCurve + Debug>(curve: C, mesh: RingMesh) -> RingSystem<AleRing<C>> {
     RingSystem::new(AleRing::rigid(solid(), curve, mesh))
 }
 
@@ -41,7 +41,7 @@ pub fn reference_frequency() -> f64 {
 }
 
 /// The reference oscillation (paper fig. 6) from Θ = 0.4 at rest, over 20 ms, and its energy, J.
-pub fn reference_oscillation<C: AngledCurve + Debug>(
+pub fn reference_oscillation<C: ReferenceCurve + Debug>(
     curve: C,
     mesh: RingMesh,
     tolerance: f64,
@@ -50,7 +50,7 @@ pub fn reference_oscillation<C: AngledCurve + Debug>(
 }
 
 /// The same with any ring, over 100 times `step`, s.
-pub fn oscillation<C: AngledCurve + Debug>(
+pub fn oscillation<C: ReferenceCurve + Debug>(
     mut system: RingSystem<AleRing<C>>,
     tolerance: f64,
     step: f64,

@@ -6,7 +6,7 @@ use crate::circle::Circle;
 use nalgebra::Vector2;
 use pushbelt::ring::Ring;
 use pushbelt::variator::settings::Parameters;
-use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 
 /// A ring of the paper's fig. 6 and 7, and the curve from which it starts.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ use pushbelt::ring::Ring;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::model::RingFormulation;
 
 use super::cases::Case;

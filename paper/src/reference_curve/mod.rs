@@ -1,8 +1,8 @@
-//! The curves of the variator, and one whose arcs the mesh does not follow.
+//! Reference curves of a ring: that of the variator, and one whose arcs the mesh does not follow.
 
-mod angles;
+mod curve;
 pub(crate) mod unaligned;
 
-pub use angles::{AngledCurve, TangentAngle};
+pub use curve::{ReferenceCurve, TangentAngle};
 pub use pushbelt::reference_curve::*;
-pub use unaligned::{Unaligned, UnalignedFrame};
+pub use unaligned::Unaligned;

@@ -7,49 +7,49 @@
 //! there, and the force −∂V/∂Θ of the quadrature lacks ½EI\[κ²\] dξ_k/dΘ.
 
 use super::{
-    AngledCurve, CoordinateDerivatives, Jet, PointDerivatives, ReferenceCurve, ReferencePoint, TangentAngle,
+    CoordinateDerivatives, Jet, PointDerivatives, ReferenceCurve, ReferencePoint, TangentAngle, TwoPulley,
+    TwoPulleyFrame,
 };
 use crate::scalar::{LANES, Real};
 use nalgebra::Vector2;
 
-/// `curve` as one segment.
+/// A curve whose arcs the mesh does not follow: one segment.
 #[derive(Clone, Debug)]
-pub struct Unaligned<C> {
-    /// The curve whose arcs the mesh does not follow.
-    pub curve: C,
+pub struct Unaligned {
+    /// The curve itself.
+    pub curve: TwoPulley,
 }
 
-/// [`Unaligned`] at one Θ.
-#[derive(Clone, Debug)]
-pub struct UnalignedFrame<F> {
-    pub(crate) frame: F,
-    length: f64,
-    segments: usize,
+/// A fraction of a segment: its value, and a zero with its derivatives with respect to Θ.
+struct FractionWithin<T: Real> {
+    value: T::Constant,
+    change: T,
 }
 
-impl<F> UnalignedFrame<F> {
-    /// The frame of the curve itself, whose segments are its arcs and strands.
-    #[must_use]
-    pub fn aligned(&self) -> &F {
-        &self.frame
-    }
-}
-
-impl<C: AngledCurve> Unaligned<C> {
-    /// The frame for a mesh that does not follow the arcs, from `frame` of `curve`.
-    #[must_use]
-    pub fn frame_of<T: Real>(curve: &C, frame: C::Frame<T>) -> UnalignedFrame<C::Frame<T>> {
-        UnalignedFrame {
-            frame,
-            length: curve.length(),
-            segments: curve.segments(),
-        }
+impl Unaligned {
+    /// Derivatives with respect to the coordinates of the curve, where it is `point`. On a fixed
+    /// mesh ξ and dξ are constant.
+    pub fn derivatives<T: Real>(
+        frame: &TwoPulleyFrame<T>,
+        fraction: T::Constant,
+        point: &ReferencePoint<T>,
+    ) -> CoordinateDerivatives<T> {
+        let of = |segment| {
+            let FractionWithin { value, change } = Self::within(frame, segment, fraction);
+            let mut derivatives = frame.derivatives(segment, change + T::constant(value), point);
+            for by in [&mut derivatives.theta, &mut derivatives.spread] {
+                by.r -= point.t * ((point.kappa * frame.growth.v + 1.0) * by.xi);
+                (by.xi, by.dilation) = (T::zero(), T::zero());
+            }
+            derivatives
+        };
+        Self::gather(frame, fraction, of, merge_derivatives)
     }
 
     /// The results of `of` for the segment of each place in a pack. `merge` returns the second of
     /// two in the lanes where its first argument is positive, else the third.
-    pub(crate) fn gather<T: Real, R>(
-        frame: &UnalignedFrame<C::Frame<T>>,
+    fn gather<T: Real, R>(
+        frame: &TwoPulleyFrame<T>,
         fraction: T::Constant,
         of: impl Fn(usize) -> R,
         merge: impl Fn(T, R, R) -> R,
@@ -57,9 +57,9 @@ impl<C: AngledCurve> Unaligned<C> {
         let mut found = None;
         // Length from the start of a segment to the place: negative before the segment.
         let mut from_start = T::constant(fraction * frame.length);
-        for segment in 0..frame.segments {
-            let from_end = from_start - C::segment_length(&frame.frame, segment).v;
-            let is_last = segment + 1 == frame.segments;
+        for segment in 0..TwoPulley::SEGMENTS {
+            let from_end = from_start - frame.segment_length(segment).v;
+            let is_last = segment + 1 == TwoPulley::SEGMENTS;
             let has = |lane| from_start.lane(lane) >= 0.0 && (is_last || from_end.lane(lane) < 0.0);
             if (0..LANES).any(has) {
                 let here = of(segment);
@@ -74,31 +74,33 @@ impl<C: AngledCurve> Unaligned<C> {
         found.unwrap_or_else(|| of(0))
     }
 
-    /// The fraction of `segment` at a fraction of the whole curve: its value, and a zero with its
-    /// derivatives with respect to Θ.
-    pub(crate) fn within<T: Real>(
-        frame: &UnalignedFrame<C::Frame<T>>,
+    /// The fraction of `segment` at a fraction of the whole curve.
+    fn within<T: Real>(
+        frame: &TwoPulleyFrame<T>,
         segment: usize,
         fraction: T::Constant,
-    ) -> (T::Constant, T) {
+    ) -> FractionWithin<T> {
         let mut rest = T::constant(fraction * frame.length);
         for before in 0..segment {
-            rest -= C::segment_length(&frame.frame, before).v;
+            rest -= frame.segment_length(before).v;
         }
-        let fraction = rest / C::segment_length(&frame.frame, segment).v;
+        let fraction = rest / frame.segment_length(segment).v;
         let value = fraction.value();
-        (value, fraction - T::constant(value))
+        FractionWithin {
+            value,
+            change: fraction - T::constant(value),
+        }
     }
 
     fn point_in<T: Real>(
-        frame: &UnalignedFrame<C::Frame<T>>,
+        frame: &TwoPulleyFrame<T>,
         segment: usize,
         fraction: T::Constant,
     ) -> ReferencePoint<T> {
-        let (f, df) = Self::within(frame, segment, fraction);
-        let p = C::point(&frame.frame, segment, f);
-        let chi = C::tangent_angle(&frame.frame, segment, f).chi;
-        let length = C::segment_length(&frame.frame, segment);
+        let FractionWithin { value: f, change: df } = Self::within(frame, segment, fraction);
+        let p = frame.point(segment, f);
+        let chi = TwoPulley::tangent_angle(frame, segment, f).chi;
+        let length = frame.segment_length(segment);
         // Taylor expansion by df along the segment, at fixed η.
         let step = length.v * df;
         let t = p.t + p.n * (p.kappa * step);
@@ -129,14 +131,14 @@ impl<C: AngledCurve> Unaligned<C> {
     }
 
     fn tangent_angle_in<T: Real>(
-        frame: &UnalignedFrame<C::Frame<T>>,
+        frame: &TwoPulleyFrame<T>,
         segment: usize,
         fraction: T::Constant,
     ) -> TangentAngle<T> {
-        let (f, df) = Self::within(frame, segment, fraction);
-        let TangentAngle { chi, kappa } = C::tangent_angle(&frame.frame, segment, f);
-        let length = C::segment_length(&frame.frame, segment);
-        let place = C::point(&frame.frame, segment, f).xi;
+        let FractionWithin { value: f, change: df } = Self::within(frame, segment, fraction);
+        let TangentAngle { chi, kappa } = TwoPulley::tangent_angle(frame, segment, f);
+        let length = frame.segment_length(segment);
+        let place = frame.point(segment, f).xi;
         let (along, along2) = (place.d + length.d * df, place.dd + length.dd * df);
         let by_fraction = [
             length.v * kappa.v,
@@ -158,8 +160,8 @@ impl<C: AngledCurve> Unaligned<C> {
 
 /// Scalars with derivatives have first derivatives only. Places in the lanes of a pack may lie on
 /// different segments; Θ is the same in all lanes.
-impl<C: AngledCurve> ReferenceCurve for Unaligned<C> {
-    type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
+impl ReferenceCurve for Unaligned {
+    type Frame<T: Real> = TwoPulleyFrame<T>;
 
     fn length(&self) -> f64 {
         self.curve.length()
@@ -169,32 +171,30 @@ impl<C: AngledCurve> ReferenceCurve for Unaligned<C> {
         1
     }
 
-    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T> {
-        Self::frame_of(&self.curve, self.curve.frame(theta))
+    fn frame<T: Real>(&self, theta: T) -> TwoPulleyFrame<T> {
+        self.curve.frame(theta)
     }
 
-    fn segment_length<T: Real>(frame: &Self::Frame<T>, _segment: usize) -> Jet<T> {
-        Jet::constant(frame.length)
+    fn segment_length<T: Real>(frame: &TwoPulleyFrame<T>, _segment: usize) -> Jet<T> {
+        frame.segment_length(TwoPulley::WHOLE)
     }
 
-    fn point<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
+    fn point<T: Real>(
+        frame: &TwoPulleyFrame<T>,
+        _segment: usize,
+        fraction: T::Constant,
+    ) -> ReferencePoint<T> {
         let of = |segment| Self::point_in(frame, segment, fraction);
-        Self::gather::<T, _>(frame, fraction, of, merge_points)
-    }
-}
-
-impl<C: AngledCurve> AngledCurve for Unaligned<C> {
-    fn has_ratio(&self) -> bool {
-        self.curve.has_ratio()
+        Self::gather(frame, fraction, of, merge_points)
     }
 
     fn tangent_angle<T: Real>(
-        frame: &Self::Frame<T>,
+        frame: &TwoPulleyFrame<T>,
         _segment: usize,
         fraction: T::Constant,
     ) -> TangentAngle<T> {
         let of = |segment| Self::tangent_angle_in(frame, segment, fraction);
-        Self::gather::<T, _>(frame, fraction, of, merge_angles)
+        Self::gather(frame, fraction, of, merge_angles)
     }
 }
 
@@ -232,24 +232,27 @@ fn merge_angles<T: Real>(first: T, a: TangentAngle<T>, b: TangentAngle<T>) -> Ta
     }
 }
 
-pub(crate) fn merge_derivatives<T: Real>(
+fn merge_derivatives<T: Real>(
     first: T,
     a: CoordinateDerivatives<T>,
     b: CoordinateDerivatives<T>,
 ) -> CoordinateDerivatives<T> {
-    let merge = |k: usize| PointDerivatives {
-        r: merge_vectors(first, a.0[k].r, b.0[k].r),
-        xi: first.if_positive(a.0[k].xi, b.0[k].xi),
-        kappa: first.if_positive(a.0[k].kappa, b.0[k].kappa),
-        dilation: first.if_positive(a.0[k].dilation, b.0[k].dilation),
+    let merge = |a: PointDerivatives<T>, b: PointDerivatives<T>| PointDerivatives {
+        r: merge_vectors(first, a.r, b.r),
+        xi: first.if_positive(a.xi, b.xi),
+        kappa: first.if_positive(a.kappa, b.kappa),
+        dilation: first.if_positive(a.dilation, b.dilation),
     };
-    ([merge(0), merge(1)], merge_vectors(first, a.1, b.1))
+    CoordinateDerivatives {
+        theta: merge(a.theta, b.theta),
+        spread: merge(a.spread, b.spread),
+        turn: merge_vectors(first, a.turn, b.turn),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference_curve::TwoPulley;
     use crate::scalar::{Dual, Lanes, Tangent};
 
     /// Derivatives at fixed ξ, and their derivatives through the scalar, against differences.
@@ -263,8 +266,8 @@ mod tests {
         let close = |a: Vector2<f64>, b: Vector2<f64>, tol: f64| assert!((a - b).norm() < tol, "{a} {b}");
         for k in 0..40 {
             let f = (f64::from(k) + 0.35) / 40.0;
-            let at = |theta: f64| Unaligned::<TwoPulley>::point::<f64>(&curve.frame(theta), 0, f);
-            let angle = |theta: f64| Unaligned::<TwoPulley>::tangent_angle::<f64>(&curve.frame(theta), 0, f);
+            let at = |theta: f64| Unaligned::point::<f64>(&curve.frame(theta), 0, f);
+            let angle = |theta: f64| Unaligned::tangent_angle::<f64>(&curve.frame(theta), 0, f);
             let (p, plus, minus) = (at(theta), at(theta + h), at(theta - h));
             let (chi, chi_plus, chi_minus) = (angle(theta).chi, angle(theta + h).chi, angle(theta - h).chi);
             assert!((p.xi.v - f * 0.703).abs() < 1e-15);
@@ -274,7 +277,7 @@ mod tests {
             assert!((chi.d - (chi_plus.v - chi_minus.v) / (2.0 * h)).abs() < 1e-7);
             assert!((chi.d - p.chi_theta).abs() < 1e-12);
             assert!((chi.dd - (chi_plus.d - chi_minus.d) / (2.0 * h)).abs() < 1e-6);
-            let dual = Unaligned::<TwoPulley>::point(&curve.frame(Dual::seed(theta, 0, 1.0)), 0, f);
+            let dual = Unaligned::point(&curve.frame(Dual::seed(theta, 0, 1.0)), 0, f);
             close(dual.r.map(|x| x.eps[0]), p.r_theta, 1e-12);
             close(dual.r_theta.map(|x| x.eps[0]), p.r_theta2, 1e-11);
             close(dual.t.map(|x| x.eps[0]), p.n * p.chi_theta, 1e-11);
@@ -287,15 +290,14 @@ mod tests {
     fn lanes_of_a_pack_equal_separate_evaluations() {
         let pulleys = TwoPulley::new(0.168, 0.703);
         let theta = -0.35;
-        let pack =
-            Unaligned::frame_of(&pulleys, pulleys.frame(Tangent::<2>::seed(Lanes::from(theta), 1, 1.0)));
+        let pack = pulleys.frame(Tangent::<2>::seed(Lanes::from(theta), 1, 1.0));
         let alone = Unaligned { curve: pulleys }.frame(Dual::seed(theta, 0, 1.0));
         for k in 0..40 {
             let f: [f64; LANES] =
                 std::array::from_fn(|lane| ((f64::from(k) + 23.0 * lane as f64) / 40.0 + 0.01) % 1.0);
-            let packed = Unaligned::<TwoPulley>::point(&pack, 0, Lanes::new(f));
+            let packed = Unaligned::point(&pack, 0, Lanes::new(f));
             for (lane, &f) in f.iter().enumerate() {
-                let single = Unaligned::<TwoPulley>::point(&alone, 0, f);
+                let single = Unaligned::point(&alone, 0, f);
                 for (packed, single) in [
                     (packed.r.x, single.r.x),
                     (packed.t.y, single.t.y),

@@ -17,7 +17,7 @@ use super::mesh::{self, RingMesh, Station};
 use super::model::{Coordinates, DIRECTIONS, Energy, RingFormulation, RingShape};
 use super::particle::{Particle, ParticleLoad, load_of_particle};
 use super::rotated::{RotatedElement, rotated_load, rotated_point};
-use crate::reference_curve::{AngledCurve, Jet, ReferencePoint};
+use crate::reference_curve::{CurvePlace, Jet, ReferenceCurve, ReferencePoint};
 use crate::scalar::Real;
 use nalgebra::{SVector, Vector2};
 
@@ -77,7 +77,7 @@ struct ElementState<T: Real, const D: usize> {
     rotated: Option<RotatedElement<T>>,
 }
 
-impl<C: AngledCurve> AleRing<C> {
+impl<C: ReferenceCurve> AleRing<C> {
     /// A ring that deflects in the plane (`ALE`).
     #[must_use]
     pub fn flexible(ring: Ring, curve: C, mesh: RingMesh) -> Self {
@@ -91,7 +91,7 @@ impl<C: AngledCurve> AleRing<C> {
     }
 }
 
-impl<C: AngledCurve> AleRing<C, 3> {
+impl<C: ReferenceCurve> AleRing<C, 3> {
     /// A ring that deflects in the plane and along z.
     #[must_use]
     pub fn spatial(ring: Ring, curve: C, mesh: RingMesh) -> Self {
@@ -99,7 +99,7 @@ impl<C: AngledCurve> AleRing<C, 3> {
     }
 }
 
-impl<C: AngledCurve, const D: usize> AleRing<C, D> {
+impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
     /// Node unknowns.
     const BLOCK: usize = 2 * D;
 
@@ -270,7 +270,8 @@ impl<C: AngledCurve, const D: usize> AleRing<C, D> {
     }
 }
 
-impl<C: AngledCurve + std::fmt::Debug, const D: usize, const N: usize> RingFormulation<D, N> for AleRing<C, D>
+impl<C: ReferenceCurve + std::fmt::Debug, const D: usize, const N: usize> RingFormulation<D, N>
+    for AleRing<C, D>
 where
     Deflection<D>: UnknownCount<N>,
 {
@@ -327,7 +328,7 @@ where
     }
 
     fn locate(&self, frame: &C::Frame<f64>, _s: f64, xi: f64) -> (usize, f64) {
-        let (segment, fraction) = self.curve.locate(frame, xi);
+        let CurvePlace { segment, fraction } = self.curve.locate(frame, xi);
         let (element, along) = mesh::find(&self.mesh.elements, segment, fraction);
         (element, 2.0 * along - 1.0)
     }

@@ -11,7 +11,7 @@ use super::kinematics::Motion;
 use super::mesh::gauss;
 use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, NODAL, RingFormulation, RingShape};
 use super::particle::{Particle, ParticleLoad};
-use crate::reference_curve::AngledCurve;
+use crate::reference_curve::ReferenceCurve;
 use crate::scalar::{Lanes, Real};
 use std::ops::Mul;
 
@@ -78,7 +78,7 @@ pub struct LagrangianRing<E: LagrangianElement, C> {
     shapes: Vec<E::ShapeFunctions<f64>>,
 }
 
-impl<E: LagrangianElement, C: AngledCurve> LagrangianRing<E, C> {
+impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     /// A ring of `elements` ≥ 3 elements with `points` Gauss points each (2 to 5), for a reference
     /// curve.
     #[must_use]
@@ -206,7 +206,7 @@ impl<E: LagrangianElement, C: AngledCurve> LagrangianRing<E, C> {
     }
 }
 
-impl<E: LagrangianElement, C: AngledCurve + std::fmt::Debug> RingFormulation for LagrangianRing<E, C> {
+impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingFormulation for LagrangianRing<E, C> {
     const BLOCK: usize = E::BLOCK;
     const LAGRANGIAN: bool = true;
 

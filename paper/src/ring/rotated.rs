@@ -23,6 +23,7 @@ use crate::scalar::{Real, turn_right};
 use nalgebra::{SVector, Vector2};
 
 /// Conversion between the slopes e of the nodes and d' of an element.
+#[derive(Debug)]
 pub struct RotatedElement<T: Real> {
     curvature: [Jet<T>; 2],
     deflection: [Vector2<T>; 2],

@@ -1,6 +1,6 @@
 //! Equations of the belt with a travelling ring.
 
-use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::reference_curve::{TwoPulley, TwoPulleyFrame};
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use crate::ring::model::{DIRECTIONS, Energy, NODAL, RingFormulation as _};
 use crate::scalar::{Lanes, Tangent};
@@ -14,7 +14,8 @@ use crate::travelling::passing::{CONTENT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
 use pushbelt::solver::Factors;
 use pushbelt::variator::ring_models::{
-    Assembly, Belt, InForce, Layout, PulleyLoad, ResultantDerivatives, Sample, Transport, Transports,
+    Assembly, Belt, InForce, Layout, PulleyLoad, ResultantDerivatives, RingEnergy, Sample, Transport,
+    Transports,
 };
 
 /// Derivatives of the transport quantities of a cell in the directions `at`.
@@ -90,13 +91,14 @@ impl<E: LagrangianElement> TravellingCells<E> {
 
     /// Adds the derivatives of the balance of the contents: fluxes through the left faces.
     fn add_flux_derivatives(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
-        for face in self.transports.faces(belt) {
-            out.add(face.contents[1], face.contents[1], alpha);
+        for face in self.transports.faces() {
+            let contents = face.cells.map(|cell| belt.cells_at[cell].content);
+            out.add(contents[1], contents[1], alpha);
             for (side, cell) in face.cells.into_iter().enumerate() {
                 let of = &self.derivatives[cell];
                 let derivatives = face.derivatives(side, &of.transport);
                 for (&column, derivative) in of.at.iter().zip(derivatives).take(of.count) {
-                    for (row, derivative) in face.contents.into_iter().zip([derivative, -derivative]) {
+                    for (row, derivative) in contents.into_iter().zip([derivative, -derivative]) {
                         if let Some(index) = out.index(row, column) {
                             out.add_at(index, derivative);
                         }
@@ -113,6 +115,14 @@ struct PassFrames {
     moving: [TwoPulleyFrame<Differentiated>; PASS],
 }
 
+/// Where the derivatives of a cell go.
+struct Entries<'a> {
+    of_cell: &'a mut CellDerivatives,
+    transports: &'a mut Transports,
+    matrix: &'a mut Arrow,
+    resultants: &'a mut ResultantDerivatives,
+}
+
 /// Adds the derivatives of a cell's rows to the matrix, and records those of its transport
 /// quantities.
 fn add_cell_derivatives<E: LagrangianElement>(
@@ -120,9 +130,14 @@ fn add_cell_derivatives<E: LagrangianElement>(
     over: &CellOver,
     frames: &PassFrames,
     factors: Factors,
-    (of_cell, transports): (&mut CellDerivatives, &mut Transports),
-    (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
+    entries: &mut Entries<'_>,
 ) -> PulleyLoad {
+    let Entries {
+        of_cell,
+        transports,
+        matrix,
+        resultants,
+    } = entries;
     let at = over.unknowns();
     let pulley = evaluation.acting.belt.mesh.cells[over.cell].pulley;
     let (own, count) = (over.nodal(), at.len());
@@ -142,8 +157,8 @@ fn add_cell_derivatives<E: LagrangianElement>(
         let columns = &at[first..(first + PASS).min(count)];
         let mut add = |row: usize, value: &Differentiated| {
             for (&column, &derivative) in columns.iter().zip(&value.eps) {
-                if let Some(index) = out.index(row, column) {
-                    out.add_at(index, derivative);
+                if let Some(index) = matrix.index(row, column) {
+                    matrix.add_at(index, derivative);
                 }
             }
         };
@@ -229,7 +244,8 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         acting: InForce<'_>,
         view: View<'_>,
         factors: Factors,
-        (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
+        out: &mut Arrow,
+        resultants: &mut ResultantDerivatives,
     ) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
         let layout = &belt.layout;
@@ -253,8 +269,13 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         let mut loads = PerPulley::<PulleyLoad>::default();
         for (cell, of_cell) in self.derivatives.iter_mut().enumerate() {
             let over = CellOver::new(belt, &frame, cell, s);
-            let into = (of_cell, &mut self.transports);
-            let load = add_cell_derivatives(&evaluation, &over, &frames, factors, into, (out, resultants));
+            let mut entries = Entries {
+                of_cell,
+                transports: &mut self.transports,
+                matrix: out,
+                resultants,
+            };
+            let load = add_cell_derivatives(&evaluation, &over, &frames, factors, &mut entries);
             loads[belt.mesh.cells[cell].pulley].add(&load, 1.0);
         }
         self.add_flux_derivatives(belt, alpha, out);
@@ -264,7 +285,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         loads
     }
 
-    fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
+    fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) -> RingEnergy {
         let belt = acting.belt;
         let frame = belt.curve.frame(belt.theta(view));
         let s = view.q[belt.layout.drift()];
@@ -287,15 +308,15 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
                 group.set(place.lane, &at.sample());
             });
         }
-    }
-
-    fn ring_energy(&self, belt: &Belt, view: View<'_>) -> [f64; 2] {
         let (mut energy, mut loss) = (Energy::default(), 0.0);
         for element in 0..self.ring.elements() {
             let values = values(&belt.layout, view, element);
             energy += self.ring.energy(&(), element, &values);
             loss += self.ring.dissipation(&(), element, &values);
         }
-        [energy.total(), loss]
+        RingEnergy {
+            energy: energy.total(),
+            loss,
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! A cell over a travelling ring, evaluated with plain numbers or with derivatives.
 
-use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
+use crate::reference_curve::{Jet, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::ring::beam;
 use crate::ring::kinematics::Motion;
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
@@ -11,8 +11,8 @@ use crate::travelling::order::nodal;
 use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtPoint};
 use pushbelt::solver::Factors;
 use pushbelt::variator::ring_models::{
-    AtStation, CELL_POINTS, CellGeometry, CellInput, CellMotion, CellPoints, Extent, FirstUnknowns, InForce,
-    Layout, StateComponent, balance,
+    AtStation, CELL_POINTS, CellGeometry, CellInput, CellMotion, CellPoints, CellRing, Extent, FirstUnknowns,
+    InForce, Layout, StateComponent, balance,
 };
 use std::ops::Mul;
 
@@ -173,35 +173,31 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             stations: &of_mesh.stations,
             axis: law.axes[of_mesh.pulley],
             plane: law.planes[of_mesh.pulley],
-            length: Jet::constant(0.0)
-                .plus_scaled(TwoPulley::segment_length(frame, element.segment), element.length),
+            length: Jet::constant(0.0).plus_scaled(frame.segment_length(element.segment), element.length),
             layer_drag: drags.layers[of_mesh.pulley],
             rotation_drag: drags.rotation[of_mesh.pulley],
         };
-        let references: [Option<ReferencePoint<S::T>>; CELL_POINTS] = std::array::from_fn(|number| {
-            (number <= of_mesh.stations.len())
-                .then(|| TwoPulley::point(frame, element.segment, geometry.fraction(number)))
-        });
         let drift = of.unknown(StateComponent::Position, globals);
         let per_element = self.ring.element_length().recip();
-        let points = std::array::from_fn(|number| {
-            let xi = references[number].as_ref()?.xi.v;
-            let x = ((xi - drift) * per_element - over.turn[number]) * 2.0 - 1.0;
-            Some(self.ring_at(over, number, x, &of))
+        let points: [_; CELL_POINTS] = std::array::from_fn(|number| {
+            (number <= of_mesh.stations.len()).then(|| {
+                let reference = frame.point(element.segment, geometry.fraction(number));
+                let x = ((reference.xi.v - drift) * per_element - over.turn[number]) * 2.0 - 1.0;
+                self.ring_at(over, number, reference, x, &of)
+            })
         });
         let multipliers = [GAUGE, GAUGE + 1].map(|k| of.unknown(StateComponent::Value, own + k));
         let mut passing = Passing::<_, _, E>::new(points, &motion.reference, multipliers);
-        let reference = |number: usize| references[number].expect("a point of the cell");
         let given = CellInput {
             law,
             friction,
             geometry: &geometry,
             motion: &motion,
         };
-        let (balance, _) = balance(&given, &mut passing, reference, &mut CellPoints::empty(), observe);
+        let (balance, _) = balance(&given, &mut passing, &mut CellPoints::empty(), observe);
         CellRows {
             balance,
-            ring: passing.into_forces(),
+            ring: passing.forces(),
         }
     }
 
@@ -211,6 +207,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         &self,
         over: &CellOver,
         number: usize,
+        reference: ReferencePoint<S::T>,
         x: S::T,
         of: &CellScalars<'_, S>,
     ) -> RingAtPoint<S::T, S::W, E> {
@@ -229,6 +226,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             beam::tension(self.ring.ring(), particle.strain(), particle.strain_rate())
         };
         RingAtPoint {
+            reference,
             motion,
             shape,
             particle,

@@ -5,8 +5,8 @@
 //! into blocks of equal size. The block size is the largest distance of two coupled unknowns, so
 //! the result is an arrow matrix.
 
-use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
-use pushbelt::variator::ring_models::{Belt, BeltMesh, CELL_POINTS, Cell, Layout};
+use crate::reference_curve::{TwoPulley, TwoPulleyFrame, ratio_of_theta};
+use pushbelt::variator::ring_models::{Belt, BeltMesh, Cell, Layout};
 use pushbelt::variator::settings::Parameters;
 
 /// Nodes of a travelling ring.
@@ -30,11 +30,14 @@ impl Travelling {
         }
     }
 
-    /// Element at the unstretched place x̄, m, around the loop, and its number without wrapping.
+    /// Element at the unstretched place x̄, m.
     #[inline]
-    pub fn element(&self, place: f64) -> (usize, f64) {
+    pub fn element(&self, place: f64) -> Passed {
         let count = (place / self.length).floor();
-        (self.wrap(count), count)
+        Passed {
+            element: self.wrap(count),
+            count,
+        }
     }
 
     /// Node number from a number without wrapping.
@@ -51,6 +54,14 @@ impl Travelling {
     }
 }
 
+/// An element of a travelling ring.
+pub(crate) struct Passed {
+    /// Its number around the loop.
+    pub element: usize,
+    /// Its number without wrapping.
+    pub count: f64,
+}
+
 /// Margin of unknowns beyond the farthest coupling of the examined states.
 const MARGIN: usize = 4;
 /// Number of examined shapes of the curve between the end stops.
@@ -59,14 +70,11 @@ const SHAPES: u32 = 16;
 const DRIFTS: u32 = 8;
 
 /// Places ξ of the points of every cell, m.
-fn points(mesh: &BeltMesh, frame: &TwoPulleyFrame<f64>) -> Vec<([f64; CELL_POINTS], usize)> {
+fn points(mesh: &BeltMesh, frame: &TwoPulleyFrame<f64>) -> Vec<Vec<f64>> {
     let of = |cell: &Cell| {
         let segment = mesh.elements[cell.element].segment;
-        let mut xi = [0.0; CELL_POINTS];
-        for (xi, station) in xi.iter_mut().zip(std::iter::once(&cell.face).chain(&cell.stations)) {
-            *xi = TwoPulley::point(frame, segment, station.fraction).xi.v;
-        }
-        (xi, 1 + cell.stations.len())
+        let points = std::iter::once(&cell.face).chain(&cell.stations);
+        points.map(|at| frame.point(segment, at.fraction).xi.v).collect()
     };
     mesh.cells.iter().map(of).collect()
 }
@@ -83,14 +91,11 @@ fn shapes(parameters: &Parameters, curve: &TwoPulley) -> Vec<f64> {
         .collect()
 }
 
-/// Number and size of the blocks that contain every coupling of a travelling ring, at all ratios
-/// between the stops.
-pub(crate) fn blocks(
-    layout: &Layout,
-    mesh: &BeltMesh,
-    parameters: &Parameters,
-    curve: &TwoPulley,
-) -> [usize; 2] {
+/// Sets number and size of the blocks, which contain every coupling of a travelling ring at all
+/// ratios between the stops.
+pub(crate) fn set_blocks(layout: &mut Layout, mesh: &BeltMesh, parameters: &Parameters) {
+    let geometry = &parameters.geometry;
+    let curve = &TwoPulley::new(geometry.center_distance, geometry.belt_length);
     let travelling = &Travelling::of(layout, curve);
     let total = 2 * layout.cells() + travelling.nodes * travelling.block;
     let mut places = vec![0; total];
@@ -98,7 +103,7 @@ pub(crate) fn blocks(
     for theta in shapes(parameters, curve) {
         let frame = curve.frame(theta);
         let points = points(mesh, &frame);
-        let faces: Vec<f64> = points.iter().map(|(xi, _)| xi[0]).collect();
+        let faces: Vec<f64> = points.iter().map(|xi| xi[0]).collect();
         for part in 0..DRIFTS {
             let s = f64::from(part) / f64::from(DRIFTS) * travelling.length;
             line_up(layout, travelling, &faces, s, &mut places);
@@ -106,7 +111,7 @@ pub(crate) fn blocks(
         }
     }
     let count = (total / (reach + MARGIN)).max(3);
-    [count, total.div_ceil(count)]
+    (layout.shape.blocks, layout.shape.block) = (count, total.div_ceil(count));
 }
 
 /// Consecutive places of cells and nodes along the belt.
@@ -141,7 +146,7 @@ fn line_up(layout: &Layout, travelling: &Travelling, faces: &[f64], s: f64, plac
 fn farthest(
     layout: &Layout,
     travelling: &Travelling,
-    points: &[([f64; CELL_POINTS], usize)],
+    points: &[Vec<f64>],
     s: f64,
     places: &[usize],
 ) -> usize {
@@ -153,9 +158,8 @@ fn farthest(
     let cells = points.len();
     let mut found = 0;
     let nodes_of = |cell: usize, out: &mut Vec<usize>| {
-        let (xi, count) = &points[cell];
-        for xi in &xi[..*count] {
-            let (element, _) = travelling.element(xi - s);
+        for xi in &points[cell] {
+            let element = travelling.element(xi - s).element;
             for node in [element, element + 1] {
                 out.push(layout.node(node, 0));
                 out.push(layout.node(node, travelling.block - 1));
@@ -212,7 +216,7 @@ impl Order {
         self.faces.clear();
         self.faces.extend(mesh.cells.iter().map(|cell| {
             let segment = mesh.elements[cell.element].segment;
-            TwoPulley::point::<f64>(frame, segment, cell.face.fraction).xi.v
+            frame.point(segment, cell.face.fraction).xi.v
         }));
         self.places.resize(total, 0);
         line_up(layout, travelling, &self.faces, s, &mut self.places);

@@ -16,14 +16,13 @@
 //! the force on s alone that results from the reference curvature in the pitch line (λ = |r'| − e
 //! κ_ref).
 
-use crate::reference_curve::ReferencePoint;
-use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::reference_curve::{ReferencePoint, TwoPulleyFrame};
 use crate::ring::kinematics::{LineLoad, ReferenceMotion, RingPoint};
 use crate::ring::lagrangian::LagrangianElement;
 use crate::ring::model::NODAL;
 use crate::ring::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
-use crate::travelling::order::{Travelling, nodal};
+use crate::travelling::order::{Passed, Travelling, nodal};
 use pushbelt::variator::ring_models::{
     Belt, CELL_POINTS, CONSTRAINT_SCALE, CellBalance, CellRing, Layout, RingDensity, StationLoad,
 };
@@ -74,8 +73,8 @@ impl CellOver {
         };
         let travelling = Travelling::of(&belt.layout, &belt.curve);
         for (number, station) in std::iter::once(&of_mesh.face).chain(&of_mesh.stations).enumerate() {
-            let place = TwoPulley::point::<f64>(frame, segment, station.fraction).xi.v - s;
-            let (element, count) = travelling.element(place);
+            let place = frame.point(segment, station.fraction).xi.v - s;
+            let Passed { element, count } = travelling.element(place);
             over.turn[number] = count;
             let known = over.elements[..over.count].iter().position(|&e| e == element);
             over.of_point[number] = known.unwrap_or_else(|| {
@@ -136,6 +135,7 @@ impl CellOver {
 
 /// The ring at a point.
 pub(super) struct RingAtPoint<T: Real, W: Real, E: LagrangianElement> {
+    pub reference: ReferencePoint<T>,
     pub motion: E::Motion<T>,
     pub shape: E::ShapeFunctions<W>,
     pub particle: Particle<T>,
@@ -143,6 +143,7 @@ pub(super) struct RingAtPoint<T: Real, W: Real, E: LagrangianElement> {
 }
 
 /// Generalised forces of a cell on the ring and on the mesh (inertia − forces).
+#[derive(Clone, Copy)]
 pub(super) struct PassingForces<T> {
     /// Conjugates of the unknowns of the element under each point.
     pub nodal: [[T; NODAL]; CELL_POINTS],
@@ -181,18 +182,15 @@ impl<'a, T: Real, W: Real, E: LagrangianElement> Passing<'a, T, W, E> {
             },
         }
     }
-
-    /// Generalised forces of the applied loads.
-    pub fn into_forces(self) -> PassingForces<T> {
-        self.forces
-    }
 }
 
 impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> for Passing<'_, T, W, E> {
+    type Forces = PassingForces<T>;
+
     #[inline(always)]
-    fn point(&self, number: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
+    fn point(&self, number: usize) -> RingPoint<T> {
         let at = self.points[number].as_ref().expect("a point of the cell");
-        at.particle.at_station(reference, self.motion)
+        at.particle.at_station(at.reference, self.motion)
     }
 
     #[inline(always)]
@@ -236,6 +234,10 @@ impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> fo
             bending: T::zero(),
             viscous: T::zero(),
         }
+    }
+
+    fn forces(&self) -> PassingForces<T> {
+        self.forces
     }
 }
 

@@ -6,7 +6,7 @@
 //! this shape exactly and are stretched by it. This transient decays within the first pass of an
 //! element.
 
-use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::reference_curve::{TwoPulley, TwoPulleyFrame};
 use crate::ring::ale_ring::AleRing;
 use crate::ring::kinematics::Motion;
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
@@ -52,9 +52,9 @@ pub(crate) fn state_on_ale<E: LagrangianElement>(
         q
     };
     let [before, now, after] = [-MOMENT, 0.0, MOMENT].map(placed);
-    for (k, (i, is_length)) in layout.node_unknowns().enumerate() {
+    for (k, i) in layout.node_unknowns().enumerate() {
         let mut change = after[k] - before[k];
-        if !is_length {
+        if !layout.is_length(i) {
             // Difference of angles, within half a turn.
             change = (change + PI).rem_euclid(TAU) - PI;
         }

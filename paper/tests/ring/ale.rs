@@ -2,9 +2,10 @@
 //! the mesh.
 
 use nalgebra::DVector;
+use pushbelt::pulley::PerPulley;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{AngledCurve, Unaligned};
+use pushbelt_paper::reference_curve::{ReferenceCurve, Unaligned};
 use pushbelt_paper::ring::ale_ring::{AleRing, Inertia};
 use pushbelt_paper::ring::kinematics::{Motion, ReferenceMotion};
 use pushbelt_paper::ring::mesh::RingMesh;
@@ -16,7 +17,7 @@ use std::f64::consts::TAU;
 
 /// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With
 /// `amplitude` 0 the state moves along s and Θ only.
-fn smooth_wave<C: AngledCurve + std::fmt::Debug>(
+fn smooth_wave<C: ReferenceCurve + std::fmt::Debug>(
     system: &RingSystem<AleRing<C>>,
     theta: f64,
     amplitude: f64,
@@ -52,12 +53,12 @@ fn scaled((a, b): (f64, f64), factor: f64) -> (f64, f64) {
     (a * factor, b * factor)
 }
 
-fn flexible<C: AngledCurve + std::fmt::Debug>(curve: C, mesh: RingMesh) -> RingSystem<AleRing<C>> {
+fn flexible<C: ReferenceCurve + std::fmt::Debug>(curve: C, mesh: RingMesh) -> RingSystem<AleRing<C>> {
     RingSystem::new(AleRing::flexible(solid(), curve, mesh))
 }
 
 /// Relative error of the residual's inertia against [`inertia_by_differences`].
-fn wave_inertia_error<C: AngledCurve + std::fmt::Debug>(
+fn wave_inertia_error<C: ReferenceCurve + std::fmt::Debug>(
     mut system: RingSystem<AleRing<C>>,
     inertia: Inertia,
     amplitude: f64,
@@ -151,9 +152,15 @@ fn elastic_force_of_the_reference_motion() {
 /// Reference oscillation (paper fig. 6).
 #[test]
 fn reference_oscillation_has_the_reference_numbers() {
-    let (r_p, r_s) = solid_curve().radii(1.0).unwrap();
+    let PerPulley {
+        primary: r_p,
+        secondary: r_s,
+    } = solid_curve().radii(1.0).unwrap();
     assert!((r_p - 0.095_493).abs() < 5e-7 && (r_s - r_p).abs() < 1e-12);
-    let (r_p, r_s) = solid_curve().radii(0.6 / 1.4).unwrap();
+    let PerPulley {
+        primary: r_p,
+        secondary: r_s,
+    } = solid_curve().radii(0.6 / 1.4).unwrap();
     assert!((r_p - 0.127_690).abs() < 5e-7 && (r_s - 0.054_724).abs() < 5e-7);
     let system = rigid(solid_curve(), RingMesh::even(&[4, 4, 8, 4, 4], 5));
     assert_eq!(system.degrees_of_freedom(), 2);
@@ -207,7 +214,7 @@ fn order_in_time_of_the_reference_motion() {
 /// Paper fig. 7: 8 elements, from Θ = 0.4 at rest for 0.3 ms. Largest energy drift relative to the
 /// energy. Later the leftmost point approaches the axis of S and Θ reaches its limit (Θ → 1 at 1.1
 /// ms).
-fn deformable_ring<C: AngledCurve + std::fmt::Debug>(
+fn deformable_ring<C: ReferenceCurve + std::fmt::Debug>(
     curve: C,
     mesh: RingMesh,
     inertia: Inertia,
@@ -253,7 +260,7 @@ fn conservative_inertia_conserves() {
 }
 
 /// Energy drift of the reference oscillation relative to the energy of the swing.
-fn swing<C: AngledCurve + std::fmt::Debug>(curve: C, mesh: RingMesh, tolerance: f64) -> f64 {
+fn swing<C: ReferenceCurve + std::fmt::Debug>(curve: C, mesh: RingMesh, tolerance: f64) -> f64 {
     let (_, record, swing) = reference_oscillation(curve, mesh, tolerance);
     assert_eq!(record.samples.len(), 101);
     record.energy_drift() / swing

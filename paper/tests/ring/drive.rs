@@ -2,7 +2,7 @@
 //! section 7).
 
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve};
+use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;

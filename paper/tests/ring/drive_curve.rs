@@ -1,7 +1,8 @@
 //! The curve of a belt drive with idlers: closure, Θ derivatives, drives around which no belt runs.
 
 use nalgebra::Vector2;
-use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve, TwoPulley};
+use pushbelt::pulley::PerPulley;
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper_lab::drive::{BeltDrive, DriveError, DrivePulley, Tensioner};
 use std::f64::consts::TAU;
 
@@ -34,7 +35,10 @@ fn tensioned() -> BeltDrive<3> {
 #[test]
 fn a_drive_with_two_pulleys_is_the_two_pulley_curve() {
     let curve = TwoPulley::new(0.168, 0.703);
-    let (r_p, r_s) = curve.radii(0.6).unwrap();
+    let PerPulley {
+        primary: r_p,
+        secondary: r_s,
+    } = curve.radii(0.6).unwrap();
     let drive = BeltDrive::new([pulley(0.0, 0.0, r_s), pulley(0.168, 0.0, r_p)]).unwrap();
     assert!((drive.length() - 0.703).abs() < 1e-14);
     let theta = (1.0 - 0.6) / (1.0 + 0.6);

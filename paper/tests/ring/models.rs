@@ -2,7 +2,7 @@
 
 use nalgebra::{SVector, Vector2};
 use pushbelt::scalar::Dual;
-use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve};
+use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ancf::AncfElement;
 use pushbelt_paper::ring::kinematics::{Motion, ReferenceMotion};

@@ -3,8 +3,9 @@
 //! is in `ale`.
 
 use nalgebra::Vector2;
+use pushbelt::pulley::PerPulley;
 use pushbelt::ring::kinematics::Hermite;
-use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper_lab::*;
@@ -18,7 +19,10 @@ const THETA: f64 = 0.4;
 
 /// Radii r_P, r_S, m, and φ of the curve of bench168 at a ratio parameter.
 fn radii(theta: f64) -> (f64, f64, f64) {
-    let (r_p, r_s) = TwoPulley::new(CENTER_DISTANCE, LENGTH)
+    let PerPulley {
+        primary: r_p,
+        secondary: r_s,
+    } = TwoPulley::new(CENTER_DISTANCE, LENGTH)
         .radii((1.0 - theta) / (1.0 + theta))
         .unwrap();
     (r_p, r_s, ((r_p - r_s) / CENTER_DISTANCE).acos())

@@ -5,7 +5,7 @@ use nalgebra::{Complex, DMatrix, Rotation3, Vector2, Vector3};
 use pushbelt::scalar::Dual;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{AngledCurve, ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::{AleRing, OverlayDirections};
 use pushbelt_paper::ring::kinematics::Motion;

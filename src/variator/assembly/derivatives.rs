@@ -2,13 +2,12 @@
 //! ([`laws`](crate::variator::cell::laws)). With updated tangents S they are those of the current
 //! state.
 
+use super::evaluation::rows;
 use crate::scalar::{Lanes, along};
 use crate::stack::Transport;
-use crate::variator::assembly::kinds::rows;
-use crate::variator::cell::degrees::{DegreesOfFreedom, MOST, MOST_ROWS};
 use crate::variator::cell::laws::{ARGUMENTS, Arguments, FORCES, OfLaws, Tangents, argument_count};
 use crate::variator::cell::variation::{Direction, Linearised};
-use crate::variator::rings::ring::VaryingRing;
+use crate::variator::rings::{Degrees, MOST, MOST_ROWS, RingKind, VaryingRing};
 use num_traits::Zero;
 
 /// Derivatives of a pack of cells.
@@ -16,43 +15,45 @@ use num_traits::Zero;
 pub(crate) struct Derivatives {
     /// Direction by direction for each row of the balance.
     block: Vec<Lanes>,
-    /// L: for each force, the rows of the block. R: for each argument, the directions. Both are
-    /// empty without derivatives by hand.
+    /// L: for each force, the rows of the block. R: for each argument, the directions.
     force_rows: Vec<Lanes>,
     right: Vec<Lanes>,
-    /// S of the block, and the current one.
-    tangents: [Vec<Tangents>; 2],
+    /// S of the block.
+    block_tangents: Vec<Tangents>,
+    /// The current S.
+    tangents: Vec<Tangents>,
+    /// Direction by direction for each transport quantity.
+    pub transport: Transport<[Lanes; MOST]>,
 }
 
 impl Derivatives {
-    /// Memory for a pack with this number of stations in D components, and for an update of
-    /// tangents if `by_hand`.
-    pub fn new<K: DegreesOfFreedom, const D: usize>(stations: usize, by_hand: bool) -> Self {
-        let laws = if by_hand { stations * D + 1 } else { 0 };
+    /// Memory for a pack with this number of laws.
+    pub fn new(degrees: &Degrees, laws: usize) -> Self {
         let zeros = |len| vec![Lanes::zero(); len];
         Self {
-            block: zeros(K::DEGREES.rows * K::DEGREES.count),
-            force_rows: zeros(laws * FORCES * K::DEGREES.rows),
-            right: zeros(laws * ARGUMENTS * K::DEGREES.count),
-            tangents: [0, 1].map(|_| vec![Tangents::default(); laws]),
+            block: zeros(degrees.rows * degrees.count),
+            force_rows: zeros(laws * FORCES * degrees.rows),
+            right: zeros(laws * ARGUMENTS * degrees.count),
+            block_tangents: vec![Tangents::default(); laws],
+            tangents: vec![Tangents::default(); laws],
+            transport: Transport::default().map(|()| [Lanes::zero(); MOST]),
         }
     }
 
     /// Sets the current tangents; those of the block too unless `update`.
     #[inline(always)]
     pub fn set_tangents(&mut self, tangents: &OfLaws<Tangents>, update: bool) {
-        let [then, now] = &mut self.tangents;
-        let laws = now.len();
-        now.copy_from_slice(&tangents[..laws]);
+        let laws = self.tangents.len();
+        self.tangents.copy_from_slice(&tangents[..laws]);
         if !update {
-            then.copy_from_slice(now);
+            self.block_tangents.copy_from_slice(&self.tangents);
         }
     }
 
     /// The derivatives with the current tangents.
     #[inline(never)]
-    pub fn current<'a, K: DegreesOfFreedom>(&'a self, work: &'a mut UpdateWork) -> &'a [Lanes] {
-        let [then, now] = &self.tangents;
+    pub fn current<'a, K: RingKind<D>, const D: usize>(&'a self, work: &'a mut UpdateWork) -> &'a [Lanes] {
+        let (then, now) = (&self.block_tangents, &self.tangents);
         if now == then {
             return &self.block;
         }
@@ -66,9 +67,9 @@ impl Derivatives {
                 now.iter().zip(then).enumerate().filter(|(_, (now, then))| now != then)
             {
                 let by: Arguments<Lanes> = std::array::from_fn(|k| now[k] - then[k]);
-                let (number, through) = &mut changes[count];
-                *number = law * FORCES + force;
-                for (column, to) in through[..width].iter_mut().enumerate() {
+                let change = &mut changes[count];
+                change.force = law * FORCES + force;
+                for (column, to) in change.through[..width].iter_mut().enumerate() {
                     *to = along(&by, &right.map(|right| right[column]));
                 }
                 count += 1;
@@ -81,14 +82,14 @@ impl Derivatives {
         for (row, (to, block)) in rows.enumerate() {
             to.copy_from_slice(block);
             for four in fours.clone() {
-                let by: [Lanes; 4] = std::array::from_fn(|k| force_rows(four[k].0, row));
-                let through: [&[Lanes]; 4] = std::array::from_fn(|k| &four[k].1[..width]);
+                let by: [Lanes; 4] = std::array::from_fn(|k| force_rows(four[k].force, row));
+                let through: [&[Lanes]; 4] = std::array::from_fn(|k| &four[k].through[..width]);
                 for (column, to) in to.iter_mut().enumerate() {
                     *to += (by[0] * through[0][column] + by[1] * through[1][column])
                         + (by[2] * through[2][column] + by[3] * through[3][column]);
                 }
             }
-            for (force, through) in fours.remainder() {
+            for Change { force, through } in fours.remainder() {
                 let by = force_rows(*force, row);
                 to.iter_mut()
                     .zip(through)
@@ -97,37 +98,26 @@ impl Derivatives {
         }
         out
     }
-}
 
-/// The derivatives of some cells: those of a pack, and those of their transport quantities.
-pub(crate) struct Columns<'a> {
-    pub cells: &'a [usize],
-    pub derivatives: &'a mut Derivatives,
-    pub transports: &'a mut [Transport<[f64; MOST]>],
-}
-
-impl Columns<'_> {
     /// Records the derivatives of balance, transport quantities and arguments of the laws in a
     /// direction: the `value` of each.
     #[inline(always)]
-    pub(super) fn record<K: DegreesOfFreedom, T: Copy, const D: usize>(
+    pub(super) fn record<K: RingKind<D>, T: Copy, const D: usize>(
         &mut self,
         direction: usize,
-        (rows, transport, arguments): (&[T; MOST_ROWS], &Transport<T>, &OfLaws<Arguments<T>>),
+        rows: &[T; MOST_ROWS],
+        transport: &Transport<T>,
+        arguments: &OfLaws<Arguments<T>>,
         value: impl Fn(T) -> Lanes,
     ) {
         let width = K::DEGREES.count;
-        let Derivatives { block, right, .. } = &mut *self.derivatives;
-        for (row, block) in rows.iter().zip(block.chunks_exact_mut(width)) {
+        for (row, block) in rows.iter().zip(self.block.chunks_exact_mut(width)) {
             block[direction] = value(*row);
         }
-        for (figure, of) in transport.as_array().into_iter().enumerate() {
-            for (&cell, derivative) in self.cells.iter().zip(value(*of).to_array()) {
-                self.transports[cell].as_mut_array()[figure][direction] = derivative;
-            }
-        }
-        let laws = right.len() / (ARGUMENTS * width);
-        for (law, right) in right.chunks_exact_mut(ARGUMENTS * width).enumerate() {
+        self.transport.flow[direction] = value(transport.flow);
+        self.transport.density[direction] = value(transport.density);
+        let laws = self.tangents.len();
+        for (law, right) in self.right.chunks_exact_mut(ARGUMENTS * width).enumerate() {
             // The other arguments are zero, and remain so.
             let count = argument_count::<D>(law, laws);
             for (argument, right) in arguments[law][..count].iter().zip(right.chunks_exact_mut(width)) {
@@ -139,22 +129,22 @@ impl Columns<'_> {
     /// Records the derivatives by hand in the directions of the cells' own unknowns and of the
     /// pulley, and L.
     #[inline(always)]
-    pub(super) fn record_by_hand<K: DegreesOfFreedom, R: VaryingRing<Lanes, D>, const D: usize>(
+    pub(super) fn record_by_hand<K: RingKind<D>, R: VaryingRing<Lanes, D>, const D: usize>(
         &mut self,
         linear: &Linearised<'_, R, D>,
     ) {
         let degrees = K::DEGREES;
         let mut arguments = OfLaws::<Arguments<Lanes>>::default();
         for k in (0..degrees.drift).chain(degrees.sheave..degrees.count) {
-            let direction = Direction::from_index::<K>(k);
+            let direction = Direction::from_index(&degrees, k);
             let (b, ring) = match direction {
                 Direction::Ring(_) if R::MOVES => linear.vary::<true>(direction, &mut arguments),
                 _ => linear.vary::<false>(direction, &mut arguments),
             };
             let rows = rows::<_, K, D>(&b, &ring);
-            self.record::<K, _, D>(k, (&rows, &b.transport, &arguments), |value| value);
+            self.record::<K, _, D>(k, &rows, &b.transport, &arguments, |value| value);
         }
-        let force_rows = &mut self.derivatives.force_rows;
+        let force_rows = &mut self.force_rows;
         linear.for_each_force(|force, b, ring| {
             let rows = rows::<_, K, D>(&b, &ring);
             force_rows[force * degrees.rows..][..degrees.rows].copy_from_slice(&rows[..degrees.rows]);
@@ -163,7 +153,11 @@ impl Columns<'_> {
 }
 
 /// A force with changed tangents, and its (S_new − S) R.
-type Change = (usize, [Lanes; MOST]);
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    force: usize,
+    through: [Lanes; MOST],
+}
 
 /// Working memory of [`Derivatives::current`].
 #[derive(Clone, Debug)]
@@ -173,11 +167,14 @@ pub(crate) struct UpdateWork {
 }
 
 impl UpdateWork {
-    /// For the packs of a ring.
-    pub fn new<K: DegreesOfFreedom>() -> Self {
+    pub fn new(degrees: &Degrees) -> Self {
+        let unchanged = Change {
+            force: 0,
+            through: [Lanes::zero(); MOST],
+        };
         Self {
-            changes: Box::new([[(0, [Lanes::zero(); MOST]); FORCES]; _]),
-            out: vec![Lanes::zero(); K::DEGREES.rows * K::DEGREES.count],
+            changes: Box::new([[unchanged; FORCES]; _]),
+            out: vec![Lanes::zero(); degrees.rows * degrees.count],
         }
     }
 }

@@ -2,17 +2,17 @@
 //! their unknowns.
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::{Jet, MeshCurve};
+use crate::reference_curve::{Jet, TwoPulleyFrame};
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::{Element, parts};
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::variator::belt::Belt;
-use crate::variator::belt::sums::ResultantDerivatives;
-use crate::variator::cell::degrees::{DegreesOfFreedom, MOST, MOST_ROWS};
+use crate::variator::belt::equations::ResultantDerivatives;
 use crate::variator::law::arguments::{CellGeometry, CellLaw, Extent, SheavePlane};
 use crate::variator::mesh::belt_mesh::{Group, Station};
+use crate::variator::rings::{Degrees, MOST, MOST_ROWS};
 use num_traits::Zero;
 use std::sync::Arc;
 
@@ -53,20 +53,18 @@ pub(crate) struct Pack {
     plane: SheavePlane<Lanes>,
     /// Unknowns of the directions.
     pub at: [[usize; LANES]; MOST],
-    /// Places of the derivatives in the matrix.
     strips: Vec<Strip>,
 }
 
 impl Pack {
     /// Geometry of its cells.
     #[inline(always)]
-    pub fn geometry<T: Real<Constant = Lanes>, C: MeshCurve>(
+    pub fn geometry<T: Real<Constant = Lanes>>(
         &self,
         law: &CellLaw,
-        frame: &C::Frame<T>,
+        frame: &TwoPulleyFrame<T>,
     ) -> CellGeometry<'_, T> {
-        let arcs = C::arcs(frame);
-        let drags = law.arc_drags(arcs.radius.map(|radius| radius.v), arcs.wraps());
+        let drags = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
         let on = &self.group.on;
         let mean = |drag: PerPulley<T>| drag.secondary * on.secondary + drag.primary * on.primary;
         CellGeometry {
@@ -75,8 +73,7 @@ impl Pack {
             stations: &self.points.stations,
             axis: self.axis,
             plane: self.plane,
-            length: Jet::constant(0.0)
-                .plus_scaled(C::segment_length(frame, self.segment), self.extent.length),
+            length: Jet::constant(0.0).plus_scaled(frame.segment_length(self.segment), self.extent.length),
             layer_drag: mean(drags.layers),
             rotation_drag: mean(drags.rotation),
         }
@@ -84,9 +81,8 @@ impl Pack {
 
     /// Adds `rows` of the balance in the own directions of each cell to `out`, without the content.
     #[inline(always)]
-    pub fn scatter<K: DegreesOfFreedom, const D: usize>(&self, rows: &[Lanes; MOST_ROWS], out: &mut [f64]) {
+    pub fn scatter<const D: usize>(&self, degrees: &Degrees, rows: &[Lanes; MOST_ROWS], out: &mut [f64]) {
         let whole = 2 * D - 2 * D % LANES;
-        let degrees = K::DEGREES;
         for first in (0..degrees.nodes).step_by(2 * D) {
             for start in (0..whole).step_by(LANES) {
                 let of_cells = Lanes::transposed(std::array::from_fn(|k| rows[first + start + k]));
@@ -142,13 +138,14 @@ impl Pack {
     /// shared rows in the shared directions, from s on: they are first summed over the lanes of
     /// each pulley.
     #[inline(always)]
-    pub fn add_shared<K: DegreesOfFreedom>(
+    pub fn add_shared(
         &self,
+        degrees: &Degrees,
         block: &[Lanes],
         belt: &Belt,
-        (out, resultants): (&mut Arrow, &mut ResultantDerivatives),
+        matrix: &mut Arrow,
+        resultants: &mut ResultantDerivatives,
     ) {
-        let degrees = K::DEGREES;
         let rows = block.chunks_exact(degrees.count).enumerate().skip(degrees.drift);
         for pulley in Pulley::BOTH {
             let on = self.group.on[pulley];
@@ -164,7 +161,7 @@ impl Pack {
                 for (k, &derivative) in of_row.iter().enumerate().skip(degrees.drift) {
                     let (column, sum) = (self.at[k][lane], (derivative * on).sum());
                     match row.checked_sub(degrees.count) {
-                        None => out.add(self.at[row][lane], column, sum),
+                        None => matrix.add(self.at[row][lane], column, sum),
                         Some(axis) => resultants.of(pulley, axis)[column] += sum,
                     }
                 }
@@ -182,8 +179,7 @@ impl Pack {
 
     /// Copies the unknowns of the pack.
     #[inline(always)]
-    pub fn gather<K: DegreesOfFreedom>(&self, view: View<'_>, to: &mut Unknowns) {
-        let degrees = K::DEGREES;
+    pub fn gather(&self, degrees: &Degrees, view: View<'_>, to: &mut Unknowns) {
         for (from, to) in [view.q, view.y, view.y_dot].into_iter().zip(to) {
             let (of_nodes, others) = to.split_at_mut(degrees.nodes);
             for (node, to) in of_nodes.chunks_exact_mut((degrees.nodes / 2).max(1)).enumerate() {
@@ -236,7 +232,7 @@ impl Station<Lanes> {
 pub(crate) type FluxEntries = [[[Option<usize>; 2]; MOST]; 2];
 
 /// The packs of a belt, around the loop.
-pub(crate) fn packs<K: DegreesOfFreedom>(belt: &Belt) -> Vec<Pack> {
+pub(crate) fn packs(belt: &Belt, degrees: &Degrees) -> Vec<Pack> {
     let mesh = &belt.mesh;
     let shape = belt.layout.shape;
     let whole = Element {
@@ -264,7 +260,7 @@ pub(crate) fn packs<K: DegreesOfFreedom>(belt: &Belt) -> Vec<Pack> {
     };
     let pack = |group: &Group| {
         let member = group.cells.map(|c| &mesh.cells[c]);
-        let at = group.cells.map(|cell| unknowns_of::<K>(belt, cell));
+        let at = group.cells.map(|cell| unknowns_of(belt, degrees, cell));
         let lanes = |of: &dyn Fn(usize) -> f64| Lanes::new(member.map(|c| of(c.element)));
         let of_pulley = |of: &dyn Fn(Pulley) -> f64| Lanes::new(member.map(|c| of(c.pulley)));
         Pack {
@@ -281,15 +277,14 @@ pub(crate) fn packs<K: DegreesOfFreedom>(belt: &Belt) -> Vec<Pack> {
                 middle: of_pulley(&|pulley| belt.law.planes[pulley].middle),
             },
             at: std::array::from_fn(|k| at.map(|at| at[k])),
-            strips: strips::<K>(&shape, &at),
+            strips: strips(degrees, &shape, &at),
         }
     };
     mesh.groups.iter().map(pack).collect()
 }
 
 /// Places of the derivatives of a pack in the matrix, without those of [`Pack::add_shared`].
-fn strips<K: DegreesOfFreedom>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<Strip> {
-    let degrees = K::DEGREES;
+fn strips(degrees: &Degrees, shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<Strip> {
     let places = |row: usize| -> Vec<[usize; LANES]> {
         let columns = if row < degrees.drift {
             degrees.count
@@ -322,7 +317,7 @@ fn strips<K: DegreesOfFreedom>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Ve
 }
 
 /// Places of the derivatives of the fluxes, for each cell.
-pub(crate) fn flux_entries<K: DegreesOfFreedom>(belt: &Belt) -> Vec<FluxEntries> {
+pub(crate) fn flux_entries(belt: &Belt, degrees: &Degrees) -> Vec<FluxEntries> {
     let shape = belt.layout.shape;
     let cells = belt.mesh.cells.len();
     (0..cells)
@@ -330,11 +325,11 @@ pub(crate) fn flux_entries<K: DegreesOfFreedom>(belt: &Belt) -> Vec<FluxEntries>
             let before = (cell + cells - 1) % cells;
             let rows = [before, cell].map(|cell| belt.cells_at[cell].content);
             [cell, before].map(|of| {
-                let at = unknowns_of::<K>(belt, of);
+                let at = unknowns_of(belt, degrees, of);
                 // With one cell per element, the derivative of its density with respect to the far
                 // node (ring stretch, reverse flow only) would be outside the band.
                 let entry =
-                    |row: usize, k: usize| (k < K::DEGREES.count).then(|| shape.index(row, at[k])).flatten();
+                    |row: usize, k: usize| (k < degrees.count).then(|| shape.index(row, at[k])).flatten();
                 std::array::from_fn(|k| rows.map(|row| entry(row, k)))
             })
         })
@@ -342,10 +337,9 @@ pub(crate) fn flux_entries<K: DegreesOfFreedom>(belt: &Belt) -> Vec<FluxEntries>
 }
 
 /// Unknowns of a cell's directions: its own, then s, the coordinates of the curve, z, ψ_x, ψ_y, ω.
-fn unknowns_of<K: DegreesOfFreedom>(belt: &Belt, cell: usize) -> [usize; MOST] {
+fn unknowns_of(belt: &Belt, degrees: &Degrees, cell: usize) -> [usize; MOST] {
     let layout = &belt.layout;
     let place = &belt.mesh.cells[cell];
-    let degrees = K::DEGREES;
     let mut at = [0; MOST];
     let (of_nodes, others) = at.split_at_mut(degrees.nodes);
     let size = degrees.nodes / 2;

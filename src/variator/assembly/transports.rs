@@ -4,7 +4,7 @@
 use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::View;
 use crate::stack::{self, Transport};
-use crate::variator::belt::{Belt, CellUnknowns};
+use crate::variator::belt::Belt;
 
 /// Rate at which the unknowns of the elements of a chain vanish, 1/s.
 pub const RELAXATION_RATE: f64 = 1.0e3;
@@ -67,7 +67,7 @@ impl Transports {
     /// speeds and contents of the elements of a chain: they vanish.
     pub fn add_fluxes(&mut self, belt: &Belt, view: View<'_>, out: &mut [f64]) {
         if belt.law.is_pull_chain() {
-            for i in belt.cells_at.iter().flat_map(CellUnknowns::to_array) {
+            for i in belt.cells_at.iter().flat_map(|at| [at.speed, at.content]) {
                 out[i] += view.y_dot[i] + RELAXATION_RATE * view.y[i];
             }
             return;
@@ -86,7 +86,7 @@ impl Transports {
     }
 
     /// The left faces of all cells.
-    pub fn faces<'a>(&'a mut self, belt: &'a Belt) -> impl Iterator<Item = Face> + 'a {
+    pub fn faces(&mut self) -> impl Iterator<Item = Face> {
         self.close();
         let (transports, cells) = (&*self, self.cells);
         (0..cells).step_by(LANES).flat_map(move |first| {
@@ -96,13 +96,12 @@ impl Transports {
                 density: Tangent::seed(of.density, 2 * side + 1, 1.0),
             };
             let by = stack::flux(&seeded(0, before), &seeded(1, after)).eps;
-            (first..cells.min(first + LANES)).map(move |cell| {
-                let cells = [(cell + cells - 1) % cells, cell];
-                Face {
-                    cells,
-                    contents: cells.map(|cell| belt.cells_at[cell].content),
-                    by: by.map(|of| of.lane(cell - first)),
-                }
+            (first..cells.min(first + LANES)).map(move |cell| Face {
+                cells: [(cell + cells - 1) % cells, cell],
+                by: [0, 1].map(|side| Transport {
+                    flow: by[2 * side].lane(cell - first),
+                    density: by[2 * side + 1].lane(cell - first),
+                }),
             })
         })
     }
@@ -112,10 +111,8 @@ impl Transports {
 pub struct Face {
     /// The two cells.
     pub cells: [usize; 2],
-    /// Their contents: unknowns, and rows of the balance.
-    pub contents: [usize; 2],
     /// Derivatives of the flux with respect to flow and density of both cells.
-    by: [f64; 4],
+    by: [Transport<f64>; 2],
 }
 
 impl Face {
@@ -124,7 +121,7 @@ impl Face {
     #[inline(always)]
     #[must_use]
     pub fn derivatives<const N: usize>(&self, side: usize, of: &Transport<[f64; N]>) -> [f64; N] {
-        let [flow, density] = [self.by[2 * side], self.by[2 * side + 1]];
+        let Transport { flow, density } = self.by[side];
         std::array::from_fn(|k| flow * of.flow[k] + density * of.density[k])
     }
 }

@@ -3,12 +3,11 @@
 
 pub(crate) mod equations;
 pub(crate) mod ring;
-pub(crate) mod sums;
 
 use crate::pulley::{PerPulley, Pulley, Wedge};
-use crate::reference_curve::{COORDINATES, Jet, Path, ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::reference_curve::{COORDINATES, Jet, Path, TwoPulley, TwoPulleyFrame};
 use crate::solver::View;
-use crate::variator::belt::ring::BeltRing;
+use crate::variator::belt::ring::{BeltRing, MaterialMesh};
 use crate::variator::law::arguments::{CellLaw, SheavePlane};
 use crate::variator::mesh::belt_mesh::BeltMesh;
 use crate::variator::mesh::layout::Layout;
@@ -27,6 +26,8 @@ pub(crate) const THETA_PER_METRE: f64 = 10.0;
 pub struct Belt {
     /// Model of the ring.
     pub ring: Arc<dyn BeltRing>,
+    /// Start and steps, if the ring's nodes move with the material.
+    pub material_mesh: Option<MaterialMesh>,
     /// Constants of the cells.
     pub law: CellLaw,
     /// Elements and cells along the belt.
@@ -50,14 +51,6 @@ pub struct CellUnknowns {
     pub content: usize,
 }
 
-impl CellUnknowns {
-    /// Both indices.
-    #[must_use]
-    pub fn to_array(&self) -> [usize; 2] {
-        [self.speed, self.content]
-    }
-}
-
 impl Belt {
     /// The belt of a variator with this ring.
     ///
@@ -68,11 +61,12 @@ impl Belt {
         let parameters = &parameters.in_force();
         let geometry = &parameters.geometry;
         let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
-        let (radius, _) = curve.radii(1.0).expect("validated geometry closes at ratio 1");
+        let radii = curve.radii(1.0).expect("validated geometry closes at ratio 1");
         let (sin, cos) = geometry.wedge_angle.sin_cos();
         let mesh = ring.mesh(&parameters.mesh);
-        let layout = ring.layout(parameters, &mesh, &curve);
+        let layout = ring.layout(parameters, &mesh);
         Self {
+            material_mesh: ring.material_mesh(&layout, &curve),
             ring,
             law: CellLaw {
                 stack: parameters.belt.clone(),
@@ -90,7 +84,7 @@ impl Belt {
                     cos,
                     tan: sin / cos,
                 },
-                r0: radius - parameters.belt.pitch_offset,
+                r0: radii.primary - parameters.belt.pitch_offset,
                 axes: PerPulley {
                     secondary: 0.0,
                     primary: geometry.center_distance,
@@ -128,7 +122,7 @@ impl Belt {
                 dd: view.y_dot[i],
             };
         }
-        path
+        Path::from_array(path)
     }
 
     /// Angular speeds of the pulleys, rad/s.
@@ -149,23 +143,7 @@ impl Belt {
     #[must_use]
     pub fn element_length(&self, frame: &TwoPulleyFrame<f64>, element: usize) -> f64 {
         let element = &self.mesh.elements[element];
-        let segment = if self.mesh.aligned {
-            TwoPulley::segment_length(frame, element.segment).v
-        } else {
-            self.curve.length()
-        };
-        segment * element.length
-    }
-
-    /// Segment of the reference curve and fraction there of a place at a fraction of the segment of
-    /// an element.
-    #[must_use]
-    pub fn on_curve(&self, frame: &TwoPulleyFrame<f64>, element: usize, fraction: f64) -> (usize, f64) {
-        if self.mesh.aligned {
-            (self.mesh.elements[element].segment, fraction)
-        } else {
-            self.curve.locate(frame, fraction * self.curve.length())
-        }
+        frame.segment_length(element.segment).v * element.length
     }
 
     /// The gauge conditions.

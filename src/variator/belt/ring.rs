@@ -4,7 +4,7 @@ use crate::reference_curve::TwoPulley;
 use crate::solver::State;
 use crate::variator::belt::Belt;
 use crate::variator::belt::equations::Assembly;
-use crate::variator::mesh::belt_mesh::BeltMesh;
+use crate::variator::mesh::belt_mesh::{BeltMesh, CellDivision};
 use crate::variator::mesh::layout::Layout;
 use crate::variator::settings::ParameterError;
 use crate::variator::settings::parameters::{Mesh, Parameters};
@@ -24,32 +24,36 @@ pub trait BeltRing: Debug + Send + Sync {
         Ok(())
     }
 
-    /// The mesh of a belt with this ring, of the given sizes.
-    fn mesh(&self, sizes: &Mesh) -> BeltMesh;
+    /// The mesh of a belt with this ring, of the given sizes. Unless replaced, it is that of `ALE`.
+    fn mesh(&self, sizes: &Mesh) -> BeltMesh {
+        let per_element = sizes.cells_per_element as usize;
+        // Full integration of the membrane needs at least three points in an element.
+        let points = 2 + usize::from(per_element == 1);
+        BeltMesh::new(sizes, CellDivision { per_element, points })
+    }
 
     /// The unknowns of a belt with this ring, on its mesh.
-    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Layout;
+    fn layout(&self, parameters: &Parameters, mesh: &BeltMesh) -> Layout;
 
     /// Equations of ring, elements and contact of a belt with this ring.
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly>;
 
-    /// Absolute tolerance of the speed of the ring's nodes, m/s: `of_place` limits the error of
-    /// their place over a step, `of_sliding` that of their sliding on the elements.
-    fn speed_error(&self, of_place: f64, _of_sliding: f64) -> f64 {
-        of_place
-    }
-
-    /// Largest drift of the ring in a step, m.
-    fn longest_drift(&self, _belt: &Belt) -> f64 {
-        f64::INFINITY
-    }
-
-    /// Where this ring starts, if it has no steady state of its own: on another ring, on the same
-    /// mesh.
-    fn starts_on(&self) -> Option<StartsOn> {
+    /// Start and steps, if the nodes move with the material.
+    fn material_mesh(&self, _layout: &Layout, _curve: &TwoPulley) -> Option<MaterialMesh> {
         None
     }
 }
 
-/// A ring, and the start state of a belt from the state of another belt, with that ring.
-pub type StartsOn = (Arc<dyn BeltRing>, fn(&Belt, &Belt, &State) -> State);
+/// Start and steps of a belt whose ring has nodes that move with the material: it has no steady
+/// state of its own.
+#[derive(Clone, Debug)]
+pub struct MaterialMesh {
+    /// Ring of another belt on the same mesh, from whose state it starts.
+    pub starts_on: Arc<dyn BeltRing>,
+    /// The start state.
+    pub start: fn(belt: &Belt, other: &Belt, state: &State) -> State,
+    /// Largest drift of the ring in a step, m.
+    pub longest_drift: f64,
+    /// Largest negligible error of the nodes' speed, per that of sliding.
+    pub speed_error: f64,
+}

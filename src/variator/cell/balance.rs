@@ -13,26 +13,23 @@
 //! A pull chain has neither stack nor ring friction. Its pins move with the ring, on which the
 //! forces along the belt act.
 
-use crate::reference_curve::ReferencePoint;
 use crate::scalar::Real;
 use crate::stack::Transport;
 use crate::variator::cell::sample::AtStation;
 use crate::variator::cell::state::{CellPoints, CellState, StationForces, StationState, stack_at_face};
 use crate::variator::law::arguments::{CellBalance, CellInput, PulleyLoad};
-use crate::variator::rings::ring::{CellRing, StationLoad};
+use crate::variator::rings::{CellRing, StationLoad};
 
-/// The balance of a cell, or of one in each lane of `T`, with this `ring`, and its state.
-/// `reference` returns the reference curve at the face (0) and at the stations (1 and up). Fills
-/// the empty `points`, and calls `observe` at every station.
+/// The balance of a cell, or of one in each lane of `T`, with this `ring`, and its state. Fills the
+/// empty `points`, and calls `observe` at every station.
 #[inline(always)]
 pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
-    reference: impl Fn(usize) -> ReferencePoint<T>,
     points: &mut CellPoints<T, D>,
     mut observe: impl FnMut(&AtStation<'_, T, D>),
 ) -> (CellBalance<T>, CellState<T>) {
-    let cell = CellState::new(given, ring, reference, points);
+    let cell = CellState::new(given, ring, points);
     let push = cell.push(given.law);
     let face = points.face();
     let mut out = CellBalance {

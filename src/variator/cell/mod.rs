@@ -1,7 +1,6 @@
 //! One cell of the belt: the coupling of ring, push elements and sheaves.
 
 pub(crate) mod balance;
-pub(crate) mod degrees;
 pub(crate) mod laws;
 pub mod sample;
 pub(crate) mod state;

@@ -1,6 +1,5 @@
 //! The state of a cell and of its stations, for its balance and the derivatives of the balance.
 
-use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{LineLoad, RingPoint, WithRate, embed, in_plane};
 use crate::scalar::Real;
 use crate::stack::{Acceleration, Push, StackPoint, push_force};
@@ -9,7 +8,7 @@ use crate::variator::law::element_rotation::{rotation_drag, throughput};
 use crate::variator::law::flanks::{BeltPoint, BothFlanks, FlankKinematics};
 use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
 use crate::variator::mesh::belt_mesh::STATIONS;
-use crate::variator::rings::ring::CellRing;
+use crate::variator::rings::CellRing;
 use nalgebra::{SVector, Vector2};
 
 /// Ring and stack at a station, and its quadrature weight.
@@ -90,14 +89,12 @@ pub struct CellState<T: Real> {
 }
 
 impl<T: Real> CellState<T> {
-    /// The state of a cell with this `ring`; fills `points`. `reference` returns the reference
-    /// curve at the face (0) and at the stations (1 and up). One loop evaluates all points, so its
+    /// The state of a cell with this `ring`; fills `points`. One loop evaluates all points, so its
     /// code is inlined once.
     #[inline(always)]
     pub fn new<R: CellRing<T, D>, const D: usize>(
         given: &CellInput<'_, T>,
         ring: &R,
-        reference: impl Fn(usize) -> ReferencePoint<T>,
         points: &mut CellPoints<T, D>,
     ) -> Self {
         let CellInput {
@@ -112,7 +109,7 @@ impl<T: Real> CellState<T> {
         let (mut pitch_length, mut by_normal_motion, mut through, mut steepness) =
             (T::zero(), T::zero(), T::zero(), T::zero());
         for at in 0..=geometry.stations.len() {
-            let point = ring.point(at, reference(at));
+            let point = ring.point(at);
             let Some(i) = at.checked_sub(1) else {
                 points.face = Some(point);
                 continue;

@@ -12,7 +12,6 @@ use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, WithRate};
 use crate::scalar::{Lanes, Tangent, along};
 use crate::solver::Factors;
 use crate::stack::{Components, PointVariation, StackPoint, StackVariation, Transport};
-use crate::variator::cell::degrees::DegreesOfFreedom;
 use crate::variator::cell::laws::{Arguments, FORCES, Forces, OfLaws, Tangents, stack_arguments};
 use crate::variator::cell::state::{CellPoints, CellState, StationForces, stack_at_face};
 use crate::variator::cell::station_variation::{
@@ -21,7 +20,7 @@ use crate::variator::cell::station_variation::{
 use crate::variator::law::arguments::{CellBalance, CellInput, between, face_weight};
 use crate::variator::law::element_rotation::throughput;
 use crate::variator::mesh::belt_mesh::STATIONS;
-use crate::variator::rings::ring::{RingForces, StationLoad, VaryingRing};
+use crate::variator::rings::{Degrees, RingForces, StationLoad, VaryingRing};
 use num_traits::Zero;
 
 /// A pack of cells and the coefficients of the variations of its balance.
@@ -58,8 +57,7 @@ pub(crate) enum Direction {
 impl Direction {
     /// That of degree of freedom `k`, which is neither the drift nor one of the curve.
     #[inline(always)]
-    pub fn from_index<K: DegreesOfFreedom>(k: usize) -> Self {
-        let degrees = K::DEGREES;
+    pub fn from_index(degrees: &Degrees, k: usize) -> Self {
         match k {
             _ if k >= degrees.sheave => Self::Pulley(k - degrees.sheave),
             _ if k > degrees.content => Self::Ring(k - degrees.content - 1),
@@ -362,6 +360,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             weight,
         };
         self.ring
-            .apply_varied(sum, i + 1, (ring, by), &station.forces.own_load, &station_load);
+            .apply_varied(sum, i + 1, ring, by, &station.forces.own_load, &station_load);
     }
 }

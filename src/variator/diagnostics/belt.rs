@@ -1,7 +1,6 @@
 //! Power, losses and stored energy of a state: each loss from its own law, never as a remainder.
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::ReferenceCurve;
 use crate::scalar::{Lanes, Real};
 use crate::solver::View;
 use crate::stack;
@@ -169,7 +168,7 @@ impl BeltDiagnostics {
 
     /// Evaluates the belt at a state.
     pub fn update(&mut self, system: &VariatorSystem, view: View<'_>) {
-        system.sample(view, &mut self.samples);
+        let ring = system.sample(view, &mut self.samples);
         let mut sums = BeltSums::empty();
         for (group, samples) in self.groups(&system.belt.mesh) {
             for sample in samples {
@@ -182,8 +181,7 @@ impl BeltDiagnostics {
             let losses = &mut self.sums.losses;
             (losses.joints, losses.layers) = (losses.layers, 0.0);
         }
-        let [energy, loss] = system.ring_energy(view);
-        self.sums.losses.other += loss;
+        self.sums.losses.other += ring.loss;
         let speeds = system.belt.shaft_speeds(view);
         let drags = system.pulleys().drag_torques(view, self.sums.resultant);
         for j in Pulley::BOTH {
@@ -191,7 +189,7 @@ impl BeltDiagnostics {
             self.sums.losses.seals += system.pulleys().seal_loss(j, view.y[system.belt.layout.sheave(j)]);
             self.sums.shaft_torque[j] = self.sums.torque[j] - drags[j];
         }
-        self.ring_energy = energy;
+        self.ring_energy = ring.energy;
     }
 
     /// Energy of ring, stack and flanks, J.

@@ -94,7 +94,7 @@ impl Evolution for Problem<'_> {
             let content = y_error[cell.content] / (5.0e-3 * tolerance);
             local += speed * speed + content * content;
         }
-        for (i, _) in layout.node_unknowns().filter(|(_, is_length)| *is_length) {
+        for i in layout.node_unknowns().filter(|i| layout.is_length(*i)) {
             let x = q_error[i] / position_scale;
             local += x * x;
         }
@@ -107,7 +107,9 @@ impl Evolution for Problem<'_> {
 
     fn longest_step(&self, view: View<'_>) -> f64 {
         let belt = &self.system.belt;
-        belt.ring.longest_drift(belt) / view.y[belt.layout.drift()].abs()
+        belt.material_mesh
+            .as_ref()
+            .map_or(f64::INFINITY, |of| of.longest_drift / view.y[belt.layout.drift()].abs())
     }
 
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, end: f64, h: f64) {

@@ -5,7 +5,7 @@ use super::idle_arc::idle_arcs;
 use super::{NO_SPEED, ONE_WAY, SLIPPING_RIM, SLIPPING_VELOCITY, STILL_SLIPPING, UNLOADED};
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::ReferenceCurve;
+use crate::reference_curve::TwoPulley;
 use crate::ring::stress::{RingPart, RingStress, ring_stress};
 use crate::solver::View;
 use crate::variator::belt::Belt;
@@ -259,11 +259,12 @@ fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) 
 fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut widen = |radius: f64| (least, most) = (least.min(radius), most.max(radius));
-    // With faces: the radius changes fastest at the arc borders, beyond the last station. On the
-    // aligned mesh the face after an arc is its end.
+    // With faces: the radius changes fastest at the arc borders, beyond the last station. The face
+    // after an arc is its end.
     let mut left_arc = false;
     for (k, sample) in stations.iter().enumerate() {
-        if mesh.cells[k / mesh.points].pulley != j {
+        let cell = &mesh.cells[k / mesh.points];
+        if cell.pulley != j {
             continue;
         }
         if sample.on_arc() {
@@ -272,7 +273,7 @@ fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
         if sample.face_curvature > 0.0 || left_arc {
             widen(sample.face_radius);
         }
-        left_arc = mesh.aligned && sample.on_arc();
+        left_arc = sample.on_arc() && mesh.elements[cell.element].segment != TwoPulley::WHOLE;
     }
     most - least
 }

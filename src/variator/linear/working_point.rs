@@ -87,11 +87,11 @@ const STANDS_STILL: &str = "the primary pulley stands still";
 
 /// Refuses a ring that has no steady state.
 fn refuse_unsteady(variator: &Variator) -> Result<(), LinearError> {
-    let ring = &variator.system().belt.ring;
-    if ring.starts_on().is_none() {
+    let belt = &variator.system().belt;
+    if belt.material_mesh.is_none() {
         return Ok(());
     }
-    let why = format!("the ring model {} has no steady state; ALE has one", ring.name());
+    let why = format!("the ring model {} has no steady state; ALE has one", belt.ring.name());
     Err(LinearError::Unsteady(why))
 }
 

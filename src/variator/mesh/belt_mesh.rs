@@ -4,11 +4,6 @@
 //! every Θ, so every quadrature point stays on its own arc or strand and all integrals are smooth
 //! in Θ. Elements are graded towards the arc borders, where contact begins (pressure rises over
 //! about 5 mm) and the ring has its bending boundary layer (√(EI/T) ≈ 2 mm).
-//!
-//! A mesh that is not aligned to the arcs has one segment, the whole curve, with elements evenly
-//! spaced along ξ. Arc borders move through the elements, and the reference curvature jumps at the
-//! quadrature points that a border passes. Each cell still has one pulley, provided that no arc
-//! reaches the quarters of the belt, ξ = L/4 and 3L/4.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::ring::mesh::{Spacing, divide, parts};
@@ -73,25 +68,9 @@ pub struct CellDivision {
     pub points: usize,
 }
 
-impl CellDivision {
-    /// For a ring that deflects.
-    #[must_use]
-    pub fn of_deflecting(mesh: &Mesh) -> Self {
-        let per_element = mesh.cells_per_element as usize;
-        Self {
-            per_element,
-            // Full integration of the membrane needs at least three points in an element.
-            points: 2 + usize::from(per_element == 1),
-        }
-    }
-}
-
 /// Elements and cells around the loop; the first node is at ξ = 0.
 #[derive(Clone, Debug)]
 pub struct BeltMesh {
-    /// Whether element borders follow the arc borders. If not, all elements lie on one segment, the
-    /// whole curve.
-    pub aligned: bool,
     /// Ring elements, from ξ = 0 on.
     pub elements: Vec<Element>,
     /// Cells, in the order of ξ.
@@ -102,23 +81,6 @@ pub struct BeltMesh {
     pub cells_per_element: usize,
     /// Quadrature points in each cell.
     pub points: usize,
-}
-
-/// Number and spacing of the elements on each segment.
-fn segments(mesh: &Mesh, aligned: bool) -> Vec<(usize, Spacing)> {
-    let half = (mesh.secondary_arc / 2) as usize;
-    let (strand, arc) = (mesh.strand as usize, mesh.primary_arc as usize);
-    if aligned {
-        vec![
-            (half, Spacing::End(ARC_GRADING)),
-            (strand, Spacing::Both(STRAND_GRADING)),
-            (arc, Spacing::Both(ARC_GRADING)),
-            (strand, Spacing::Both(STRAND_GRADING)),
-            (half, Spacing::Start(ARC_GRADING)),
-        ]
-    } else {
-        vec![(2 * (half + strand) + arc, Spacing::Both(0.0))]
-    }
 }
 
 /// Divides cells into groups and records group and lane in each cell.
@@ -145,32 +107,41 @@ fn group(cells: &mut [Cell], elements: &[Element]) -> Vec<Group> {
 }
 
 impl BeltMesh {
-    /// Mesh of a belt on two pulleys with these cells, `aligned` to its arcs or not.
+    /// Mesh of a belt on two pulleys with these cells.
     #[must_use]
-    pub fn new(mesh: &Mesh, cells: CellDivision, aligned: bool) -> Self {
-        let CellDivision {
-            per_element: cells_per_element,
-            points,
-        } = cells;
-        let elements: Vec<Element> = segments(mesh, aligned)
-            .into_iter()
-            .enumerate()
-            .flat_map(|(segment, (count, spacing))| divide(segment, count, spacing))
-            .collect();
+    pub fn new(mesh: &Mesh, cells: CellDivision) -> Self {
+        let half = (mesh.secondary_arc / 2) as usize;
+        let (strand, arc) = (mesh.strand as usize, mesh.primary_arc as usize);
+        let strand = |segment: usize| divide(segment, strand, Spacing::Both(STRAND_GRADING));
+        let elements = divide(0, half, Spacing::End(ARC_GRADING))
+            .chain(strand(1))
+            .chain(divide(2, arc, Spacing::Both(ARC_GRADING)))
+            .chain(strand(3))
+            .chain(divide(4, half, Spacing::Start(ARC_GRADING)));
+        Self::of_elements(elements.collect(), cells, |segment, middle| match segment {
+            1 => middle > 0.5,
+            2 => true,
+            3 => middle < 0.5,
+            _ => false,
+        })
+    }
+
+    /// Mesh of these elements around the loop. `touches_primary` tells the pulley of a cell from
+    /// the segment and the fraction of its middle; other cells can touch the secondary pulley.
+    #[must_use]
+    pub fn of_elements(
+        elements: Vec<Element>,
+        cells: CellDivision,
+        touches_primary: impl Fn(usize, f64) -> bool,
+    ) -> Self {
+        let CellDivision { per_element, points } = cells;
         let mut cells = Vec::new();
         for (k, element) in elements.iter().enumerate() {
-            for (face, stations) in parts(element, cells_per_element, points) {
+            for (face, stations) in parts(element, per_element, points) {
                 let middle = 0.5 * (stations[0].fraction + stations[stations.len() - 1].fraction);
-                let touches_primary = match element.segment {
-                    0 if !aligned => (0.25..0.75).contains(&middle),
-                    1 => middle > 0.5,
-                    2 => true,
-                    3 => middle < 0.5,
-                    _ => false,
-                };
                 cells.push(Cell {
                     element: k,
-                    pulley: if touches_primary {
+                    pulley: if touches_primary(element.segment, middle) {
                         Pulley::Primary
                     } else {
                         Pulley::Secondary
@@ -184,11 +155,10 @@ impl BeltMesh {
         }
         let groups = group(&mut cells, &elements);
         Self {
-            aligned,
             elements,
             cells,
             groups,
-            cells_per_element,
+            cells_per_element: per_element,
             points,
         }
     }

@@ -37,10 +37,16 @@ pub struct Layout {
     /// Components of the deflection from the reference curve at each node, 2 or 3: the unknowns of
     /// a node are value and slope of each component in turn. 0 for other rings.
     pub components: usize,
-    /// Index of the first node, and distance to the next one.
-    pub node_at: [usize; 2],
-    /// Index of the first cell, distance to the next element, and to the next cell of an element.
-    pub cell_at: [usize; 3],
+    /// Index of the first node.
+    pub first_node: usize,
+    /// Distance of nodes.
+    pub next_node: usize,
+    /// Index of the first cell.
+    pub first_cell: usize,
+    /// Distance of the first cells of elements.
+    pub next_element: usize,
+    /// Distance of cells.
+    pub next_cell: usize,
     /// Whether the content of a cell is beside the speed of the next cell.
     pub content_beside_next: bool,
     /// Shape of the Jacobian.
@@ -53,27 +59,30 @@ impl Layout {
     #[must_use]
     pub fn deflecting(components: usize, mesh: &BeltMesh) -> Self {
         let (elements, cells_per_element) = (mesh.elements.len(), mesh.cells_per_element);
-        let [per_node, per_cell] = [2 * components, if components == 0 { 3 } else { 2 }];
+        let per_node = 2 * components;
+        let (nodes, per_cell, extra) = if components == 0 {
+            (0, 3, COORDINATES - 1)
+        } else {
+            (elements, 2, CONDITIONS)
+        };
         let block = per_node + cells_per_element * per_cell;
         Self {
             elements,
             cells_per_element,
-            nodes: if components == 0 { 0 } else { elements },
+            nodes,
             per_node,
             lengths: 0b01_0101,
             components,
-            node_at: [0, block],
-            cell_at: [per_node, block, per_cell],
+            first_node: 0,
+            next_node: block,
+            first_cell: per_node,
+            next_element: block,
+            next_cell: per_cell,
             content_beside_next: cells_per_element > 1,
             shape: Shape {
                 blocks: elements,
                 block,
-                border: GLOBALS
-                    + if components == 0 {
-                        COORDINATES - 1
-                    } else {
-                        CONDITIONS
-                    },
+                border: GLOBALS + extra,
             },
         }
     }
@@ -108,24 +117,27 @@ impl Layout {
     /// models have other unknowns.
     #[must_use]
     pub fn node(&self, node: usize, k: usize) -> usize {
-        let [first, next] = self.node_at;
-        first + node % self.nodes.max(1) * next + k
+        self.first_node + node % self.nodes.max(1) * self.next_node + k
     }
 
-    /// Indices of all unknowns of the nodes, and whether each is a length; else it is an angle or a
-    /// slope.
-    pub fn node_unknowns(&self) -> impl Iterator<Item = (usize, bool)> + use<> {
+    /// Indices of all unknowns of the nodes.
+    pub fn node_unknowns(&self) -> impl Iterator<Item = usize> + use<> {
         let layout = *self;
-        let each = (0..layout.nodes).flat_map(move |node| (0..layout.per_node).map(move |k| (node, k)));
-        each.map(move |(node, k)| (layout.node(node, k), layout.lengths >> k & 1 == 1))
+        (0..layout.nodes).flat_map(move |node| (0..layout.per_node).map(move |k| layout.node(node, k)))
+    }
+
+    /// Whether an unknown of a node is a length; else it is an angle or a slope.
+    #[must_use]
+    pub fn is_length(&self, unknown: usize) -> bool {
+        self.lengths >> ((unknown - self.first_node) % self.next_node) & 1 == 1
     }
 
     /// Index of the speed V of the elements at the left face of `cell`.
     #[must_use]
     pub fn belt_speed(&self, cell: usize) -> usize {
         let cell = cell % self.cells();
-        let [first, next_element, next] = self.cell_at;
-        first + cell / self.cells_per_element * next_element + cell % self.cells_per_element * next
+        let (element, of_element) = (cell / self.cells_per_element, cell % self.cells_per_element);
+        self.first_cell + element * self.next_element + of_element * self.next_cell
     }
 
     /// Index of the content N of `cell`. It belongs to the block of the next cell, so that the flow
@@ -207,7 +219,7 @@ impl Layout {
     #[must_use]
     pub fn has_position(&self) -> Vec<bool> {
         let mut has_position = vec![false; self.len()];
-        let own = self.node_unknowns().map(|(i, _)| i).chain(self.centres());
+        let own = self.node_unknowns().chain(self.centres());
         let shared = [self.drift(), self.theta()].into_iter();
         for i in own.chain(shared).chain(Pulley::BOTH.map(|pulley| self.sheave(pulley))) {
             has_position[i] = true;

@@ -14,7 +14,7 @@ use crate::solver::Factors;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::tilt::Tilt;
-use crate::variator::belt::sums::{PulleyLoad, ResultantDerivatives};
+use crate::variator::belt::equations::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::mesh::layout::Layout;
 use crate::variator::settings::{Parameters, SPEED_LAG};

@@ -1,28 +1,22 @@
 //! `ALE`: the ring deflects from the reference curve.
 
-use crate::reference_curve::{COORDINATES, ReferencePoint};
-use crate::ring::Ring;
+use super::{CellRing, RingForces, RingInput, RingKind, StationLoad, VaryingRing};
 use crate::ring::ale::{self, RingDensity};
 use crate::ring::kinematics::{
-    ElementLoad, ElementMotion, LineLoad, Motion, NodalUnknown, Node, ReferenceMotion, RingPoint,
-    RingVariation,
+    ElementLoad, ElementMotion, LineLoad, Motion, NodalUnknown, Node, RingPoint, RingVariation,
 };
-use crate::scalar::Real;
+use crate::scalar::{Lanes, Real};
 use crate::solver::Factors;
-use crate::variator::law::arguments::CellGeometry;
-use crate::variator::rings::ring::{CellRing, EulerianRing, RingForces, StationLoad, VaryingRing};
+use crate::variator::law::arguments::StateComponent;
+use nalgebra::SVector;
 
-/// `ALE`: the ring deflects from the reference curve, in D components.
+/// [`Ale`] inside a cell.
 #[derive(Debug)]
 pub struct Deflecting<'a, T: Real, const D: usize = 2> {
-    /// Parameters of the beam.
-    pub ring: &'a Ring,
-    /// Geometry of the cell.
-    pub geometry: &'a CellGeometry<'a, T>,
+    /// Parameters, place and motion of the curve.
+    pub given: RingInput<'a, T>,
     /// Motion of the element.
     pub element: ElementMotion<T, D>,
-    /// Motion of the reference curve.
-    pub motion: &'a ReferenceMotion<T>,
     /// (∂l/∂Θ)/l, l the length of the element.
     pub dilation: T,
     /// Sum of the applied loads.
@@ -32,64 +26,56 @@ pub struct Deflecting<'a, T: Real, const D: usize = 2> {
 impl<'a, T: Real, const D: usize> Deflecting<'a, T, D> {
     /// The ring between two nodes.
     #[inline(always)]
-    pub fn new(
-        ring: &'a Ring,
-        geometry: &'a CellGeometry<'a, T>,
-        motion: &'a ReferenceMotion<T>,
-        nodes: &[Motion<Node<T, D>>; 2],
-    ) -> Self {
+    pub fn new(given: RingInput<'a, T>, nodes: &[Motion<Node<T, D>>; 2]) -> Self {
+        let length = given.geometry.length;
         Self {
-            ring,
-            geometry,
-            element: ElementMotion::new(geometry.length, &motion.theta, nodes),
-            motion,
-            dilation: geometry.length.d / geometry.length.v,
+            given,
+            element: ElementMotion::new(length, &given.motion.theta, nodes),
+            dilation: length.d / length.v,
             sum: ElementLoad::zero(),
         }
     }
 
     #[inline(always)]
     fn forces_of(&self, sum: &ElementLoad<T, D>) -> RingForces<T, D> {
-        let (nodes, theta) = sum.nodes(&self.element);
-        RingForces {
-            nodes,
-            tension: T::zero(),
-            drift: sum.s,
-            theta,
-            centres: [T::zero(); COORDINATES - 1],
-        }
-    }
-}
-
-impl<T: Real, const D: usize> EulerianRing<T, D> for Deflecting<'_, T, D> {
-    #[inline(always)]
-    fn forces(&self) -> RingForces<T, D> {
-        self.forces_of(&self.sum)
+        let mut forces = RingForces::zero();
+        (forces.nodes, forces.curve.theta) = sum.nodes(&self.element);
+        forces.drift = sum.s;
+        forces
     }
 }
 
 impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
+    type Forces = RingForces<T, D>;
+
     #[inline(always)]
-    fn point(&self, at: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
-        RingPoint::new(reference, &self.geometry.point(at).shape, &self.element, self.motion)
+    fn point(&self, at: usize) -> RingPoint<T, D> {
+        let RingInput { geometry, motion, .. } = self.given;
+        let shape = &geometry.point(at).shape;
+        RingPoint::new(self.given.reference(at), shape, &self.element, motion)
     }
 
     #[inline(always)]
     fn own_load(&self, _at: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T {
-        ale::add_inertia(self.ring, point, load);
-        ale::add_elasticity(self.ring, point, self.dilation, load)
+        ale::add_inertia(self.given.ring, point, load);
+        ale::add_elasticity(self.given.ring, point, self.dilation, load)
     }
 
     #[inline(always)]
     fn apply(&mut self, at: usize, point: &RingPoint<T, D>, station_load: &StationLoad<T, D>) {
-        let shape = &self.geometry.point(at).shape;
+        let shape = &self.given.geometry.point(at).shape;
         self.sum
             .add(&station_load.load, point, shape, &self.element, station_load.weight);
     }
 
     #[inline(always)]
     fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T> {
-        ale::density(self.ring, point)
+        ale::density(self.given.ring, point)
+    }
+
+    #[inline(always)]
+    fn forces(&self) -> RingForces<T, D> {
+        self.forces_of(&self.sum)
     }
 }
 
@@ -100,11 +86,8 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
 
     #[inline(always)]
     fn vary(&self, at: usize, point: &RingPoint<T, D>, own: usize, factors: Factors) -> RingVariation<T, D> {
-        let shape = &self.geometry.point(at).shape;
-        let (node, component, is_slope) = node_direction::<D>(own);
-        let function = 2 * node + usize::from(is_slope);
-        let unknown = NodalUnknown { function, component };
-        RingVariation::new(point, shape, &self.element, unknown, factors)
+        let shape = &self.given.geometry.point(at).shape;
+        RingVariation::new(point, shape, &self.element, nodal_unknown::<D>(own), factors)
     }
 
     #[inline(always)]
@@ -116,8 +99,8 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
         _own: Option<usize>,
         load: &mut LineLoad<T, D>,
     ) -> T {
-        ale::vary_inertia(self.ring, point, by, load);
-        ale::vary_elasticity(self.ring, point, by, self.dilation, load)
+        ale::vary_inertia(self.given.ring, point, by, load);
+        ale::vary_elasticity(self.given.ring, point, by, self.dilation, load)
     }
 
     #[inline(always)]
@@ -130,11 +113,12 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
         &self,
         sum: &mut ElementLoad<T, D>,
         at: usize,
-        (point, by): (&RingPoint<T, D>, &RingVariation<T, D>),
+        point: &RingPoint<T, D>,
+        by: &RingVariation<T, D>,
         own_load: &LineLoad<T, D>,
         station_load: &StationLoad<T, D>,
     ) {
-        let shape = &self.geometry.point(at).shape;
+        let shape = &self.given.geometry.point(at).shape;
         sum.add(&station_load.load, point, shape, &self.element, station_load.weight);
         sum.theta += own_load.on_length(&by.slope, &by.bend, &self.element) * station_load.weight;
     }
@@ -142,15 +126,61 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
     fn varied_forces(&self, sum: &ElementLoad<T, D>, own: Option<usize>, beta: f64) -> RingForces<T, D> {
         let mut forces = self.forces_of(sum);
-        if let Some((node, k, true)) = own.map(node_direction::<D>) {
-            forces.theta += self.sum.slope_varied(node, k, beta, &self.element);
+        if let Some(NodalUnknown { function, component }) = own.map(nodal_unknown::<D>)
+            && function % 2 == 1
+        {
+            forces.curve.theta += self.sum.slope_varied(function / 2, component, beta, &self.element);
         }
         forces
     }
 }
 
-/// Node and component of a direction of a ring that deflects, and whether it is the slope.
+/// `ALE`: the ring deflects in D components, 2 or 3, of fixed directions, A_i = identity in (10).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ale<const D: usize = 2>;
+
+impl<const D: usize> RingKind<D> for Ale<D> {
+    type Ring<'a, T: Real> = Deflecting<'a, T, D>;
+
+    #[inline(always)]
+    fn ring<'a, T: Real>(
+        &self,
+        given: RingInput<'a, T>,
+        unknown: impl Fn(StateComponent, usize) -> T,
+    ) -> Deflecting<'a, T, D> {
+        Deflecting::new(given, &nodes(unknown))
+    }
+
+    #[inline(always)]
+    fn by_hand<'r, 'a: 'r>(ring: &'r Deflecting<'a, Lanes, D>) -> Option<&'r impl VaryingRing<Lanes, D>> {
+        Some(ring)
+    }
+}
+
+/// Motion of the nodes of a ring that deflects, from the `unknown` of a component and a degree of
+/// freedom.
 #[inline(always)]
-fn node_direction<const D: usize>(own: usize) -> (usize, usize, bool) {
-    (own / (2 * D), own / 2 % D, own % 2 == 1)
+pub fn nodes<T: Real, const D: usize>(
+    unknown: impl Fn(StateComponent, usize) -> T,
+) -> [Motion<Node<T, D>>; 2] {
+    [0, 2 * D].map(|first| {
+        let node = |component: StateComponent| Node {
+            a: SVector::from_fn(|k, _| unknown(component, first + 2 * k)),
+            b: SVector::from_fn(|k, _| unknown(component, first + 2 * k + 1)),
+        };
+        Motion {
+            value: node(StateComponent::Position),
+            rate: node(StateComponent::Value),
+            acceleration: node(StateComponent::Rate),
+        }
+    })
+}
+
+/// Unknown `own` of the ring in a cell: shape functions 0 and 2 are deflections, 1 and 3 slopes.
+#[inline(always)]
+fn nodal_unknown<const D: usize>(own: usize) -> NodalUnknown {
+    NodalUnknown {
+        function: own / (2 * D) * 2 + own % 2,
+        component: own / 2 % D,
+    }
 }

@@ -12,170 +12,156 @@
 //!
 //! [`TwoPulley`]: crate::reference_curve::TwoPulley
 
-use crate::reference_curve::{COORDINATES, MeshCurve, PointDerivatives, ReferencePoint};
-use crate::ring::Ring;
+use super::{CellRing, Degrees, RingForces, RingInput, RingKind, StationLoad, VaryingRing};
+use crate::reference_curve::{CoordinateDerivatives, PointDerivatives};
 use crate::ring::ale::{self, RingDensity};
-use crate::ring::kinematics::{LineLoad, Node, ReferenceMotion, RingPoint, RingVariation};
-use crate::scalar::{Real, zero_vector};
+use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
+use crate::scalar::{Lanes, Real};
 use crate::solver::Factors;
-use crate::variator::law::arguments::{CellGeometry, between, face_weight};
-use crate::variator::rings::ring::{CellRing, EulerianRing, RingForces, StationLoad, VaryingRing};
+use crate::variator::law::arguments::{StateComponent, between, face_weight};
 
-/// Index of the growth among the coordinates of the curve. Its row is the mean of the tension.
-const GROWTH: usize = COORDINATES - 1;
-
-/// `ALE0`: the ring follows the reference curve; its tension is an unknown at the faces.
-pub(crate) struct Guided<'a, T: Real, C: MeshCurve> {
-    ring: &'a Ring,
-    geometry: &'a CellGeometry<'a, T>,
-    motion: &'a ReferenceMotion<T>,
-    /// Frame and segment of the curve.
-    curve: (&'a C::Frame<T>, usize),
+/// [`Ale0`] inside a cell; its tension is an unknown at the faces.
+#[derive(Debug)]
+pub struct Guided<'a, T: Real> {
+    /// Parameters, place and motion of the curve.
+    pub given: RingInput<'a, T>,
+    /// At the two faces, N.
     tension: [T; 2],
-    sum: GuidedSum<T>,
+    sum: RingForces<T>,
 }
 
-/// Loads on a ring that follows the reference curve.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct GuidedSum<T: Real> {
-    /// Conjugates of the coordinates of the curve.
-    curve: [T; COORDINATES],
-    /// Balance of the tension along the cell, and of normal forces around the loop, N.
-    balance: T,
-    across: T,
-}
+/// `ALE0`: the ring follows the reference curve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ale0;
 
-impl<T: Real> GuidedSum<T> {
+impl RingKind<2> for Ale0 {
+    const DEGREES: Degrees = Degrees::deflecting(0);
+
+    type Ring<'a, T: Real> = Guided<'a, T>;
+
     #[inline(always)]
-    fn empty() -> Self {
-        Self {
-            curve: [T::zero(); COORDINATES],
-            balance: T::zero(),
-            across: T::zero(),
-        }
+    fn ring<'a, T: Real>(
+        &self,
+        given: RingInput<'a, T>,
+        unknown: impl Fn(StateComponent, usize) -> T,
+    ) -> Guided<'a, T> {
+        Guided::new(given, unknown)
     }
 
     #[inline(always)]
-    fn forces<const D: usize>(&self) -> RingForces<T, D> {
-        let still = Node {
-            a: zero_vector(),
-            b: zero_vector(),
-        };
-        let [theta, centres @ ..] = self.curve;
-        RingForces {
-            nodes: [still; 2],
-            tension: self.balance,
-            drift: self.across,
-            theta,
-            centres,
-        }
+    fn by_hand<'r, 'a: 'r>(ring: &'r Guided<'a, Lanes>) -> Option<&'r impl VaryingRing<Lanes, 2>> {
+        Some(ring)
     }
 }
 
-impl<'a, T: Real, C: MeshCurve> Guided<'a, T, C> {
-    /// The ring `at` a place with this motion and the tensions at the two faces, N. `curve` is
-    /// frame and segment.
+impl<'a, T: Real> Guided<'a, T> {
+    /// The ring inside a cell, from the `unknown` of a component and a degree of freedom.
     #[inline(always)]
-    pub fn new(
-        ring: &'a Ring,
-        (geometry, motion): (&'a CellGeometry<'a, T>, &'a ReferenceMotion<T>),
-        curve: (&'a C::Frame<T>, usize),
-        tension: [T; 2],
-    ) -> Self {
-        Self {
-            ring,
-            geometry,
-            motion,
-            curve,
-            tension,
-            sum: GuidedSum {
-                balance: tension[0] - tension[1],
-                ..GuidedSum::empty()
-            },
-        }
+    pub fn new(given: RingInput<'a, T>, unknown: impl Fn(StateComponent, usize) -> T) -> Self {
+        let tension = [1, 2].map(|k| unknown(StateComponent::Value, Ale0::DEGREES.content + k));
+        let mut sum = RingForces::zero();
+        sum.tension = tension[0] - tension[1];
+        Self { given, tension, sum }
     }
 
     /// EA (γ + η γ̇), N.
     #[inline(always)]
     fn mean_tension(&self) -> T {
-        let strain = C::arcs(self.curve.0).strain;
-        strain.v * self.ring.axial_stiffness + strain.d * self.ring.viscosity()
+        let RingInput { ring, frame, .. } = self.given;
+        frame.strain.v * ring.axial_stiffness + frame.strain.d * ring.viscosity()
     }
 
-    /// Adds the loads at a station; `own` is the derivative of the ring's own energy with respect
-    /// to a coordinate of the shape, N.
     #[inline(always)]
-    fn add(
-        &self,
-        sum: &mut GuidedSum<T>,
-        at: usize,
+    fn derivatives(&self, at: usize, point: &RingPoint<T>) -> CoordinateDerivatives<T> {
+        let fraction = T::constant(self.given.geometry.fraction(at));
+        self.given
+            .frame
+            .derivatives(self.given.segment, fraction, &point.reference)
+    }
+
+    /// Applies the loads at a station where the curve has the derivatives `by`.
+    #[inline(always)]
+    pub fn apply_along(
+        &mut self,
+        by: &CoordinateDerivatives<T>,
+        point: &RingPoint<T>,
+        station_load: &StationLoad<T>,
+    ) {
+        let kappa = point.reference.kappa;
+        let moment = kappa * self.given.ring.bending_stiffness;
+        let energy = moment * kappa * 0.5;
+        self.sum
+            .add_along(by, point, station_load, |by| energy * by.dilation + moment * by.kappa);
+        self.sum.curve.growth -= kappa * self.mean_tension() * station_load.weight;
+    }
+}
+
+impl<T: Real> RingForces<T> {
+    /// Adds the loads at a station where the curve has the derivatives `by`; `own` is the
+    /// derivative of the ring's own energy with respect to a coordinate of the shape, N. The row of
+    /// the growth is the mean of the tension.
+    #[inline(always)]
+    pub fn add_along(
+        &mut self,
+        by: &CoordinateDerivatives<T>,
         point: &RingPoint<T>,
         station_load: &StationLoad<T>,
         own: impl Fn(&PointDerivatives<T>) -> T,
     ) {
-        let (frame, segment) = self.curve;
         let StationLoad { load, weight, .. } = station_load;
-        let fraction = T::constant(self.geometry.fraction(at));
-        let (shape, turn) = C::derivatives(frame, segment, fraction, &point.reference);
         let force = load.position;
-        let [theta, spread] = shape.map(|by| force.dot(&by.r) - load.drift * by.xi + own(&by));
-        let along = [theta, spread, force.dot(&turn), force.x, force.y];
-        for (sum, along) in sum.curve.iter_mut().zip(along) {
-            *sum += along * *weight;
-        }
+        let along = |by: &PointDerivatives<T>| (force.dot(&by.r) - load.drift * by.xi + own(by)) * *weight;
         let bearing = station_load.tension * point.reference.kappa * *weight;
-        sum.curve[GROWTH] += bearing;
-        sum.across += station_load.across * *weight - bearing;
-        sum.balance += station_load.along * *weight;
+        self.curve.theta += along(&by.theta);
+        self.curve.spread += along(&by.spread);
+        self.curve.turn += force.dot(&by.turn) * *weight;
+        self.curve.shift[0] += force.x * *weight;
+        self.curve.shift[1] += force.y * *weight;
+        self.curve.growth += bearing;
+        self.drift += station_load.across * *weight - bearing;
+        self.tension += station_load.along * *weight;
     }
 }
 
-impl<T: Real, C: MeshCurve> EulerianRing<T> for Guided<'_, T, C> {
-    #[inline(always)]
-    fn forces(&self) -> RingForces<T> {
-        self.sum.forces()
-    }
-}
+impl<T: Real> CellRing<T> for Guided<'_, T> {
+    type Forces = RingForces<T>;
 
-impl<T: Real, C: MeshCurve> CellRing<T> for Guided<'_, T, C> {
     #[inline(always)]
-    fn point(&self, _at: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
-        RingPoint::guided(reference, self.motion, &C::arcs(self.curve.0).growth)
+    fn point(&self, at: usize) -> RingPoint<T> {
+        RingPoint::guided(self.given.reference(at), self.given.motion, &self.given.frame.growth)
     }
 
     #[inline(always)]
     fn own_load(&self, at: usize, point: &RingPoint<T>, load: &mut LineLoad<T>) -> T {
-        ale::add_inertia(self.ring, point, load);
-        between(&self.tension, self.geometry.point(at).right)
+        ale::add_inertia(self.given.ring, point, load);
+        between(&self.tension, self.given.geometry.point(at).right)
     }
 
     #[inline(always)]
     fn apply(&mut self, at: usize, point: &RingPoint<T>, station_load: &StationLoad<T>) {
-        let kappa = point.reference.kappa;
-        let moment = kappa * self.ring.bending_stiffness;
-        let energy = moment * kappa * 0.5;
-        let mut sum = self.sum;
-        self.add(&mut sum, at, point, station_load, |by| {
-            energy * by.dilation + moment * by.kappa
-        });
-        sum.curve[GROWTH] -= kappa * self.mean_tension() * station_load.weight;
-        self.sum = sum;
+        self.apply_along(&self.derivatives(at, point), point, station_load);
     }
 
     #[inline(always)]
     fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
-        let strain = C::arcs(self.curve.0).strain;
+        let RingInput { ring, frame, .. } = self.given;
+        let strain = frame.strain;
         RingDensity {
-            membrane: strain.v * strain.v * (0.5 * self.ring.axial_stiffness),
-            viscous: strain.d * strain.d * self.ring.viscosity(),
-            ..ale::density(self.ring, point)
+            membrane: strain.v * strain.v * (0.5 * ring.axial_stiffness),
+            viscous: strain.d * strain.d * ring.viscosity(),
+            ..ale::density(ring, point)
         }
+    }
+
+    #[inline(always)]
+    fn forces(&self) -> RingForces<T> {
+        self.sum
     }
 }
 
-/// The unknowns of the ring are the tensions at the faces.
-impl<T: Real, C: MeshCurve> VaryingRing<T> for Guided<'_, T, C> {
-    type Sum = GuidedSum<T>;
+/// Its own unknowns are the tensions.
+impl<T: Real> VaryingRing<T> for Guided<'_, T> {
+    type Sum = RingForces<T>;
 
     const MOVES: bool = false;
 
@@ -193,31 +179,32 @@ impl<T: Real, C: MeshCurve> VaryingRing<T> for Guided<'_, T, C> {
         own: Option<usize>,
         load: &mut LineLoad<T>,
     ) -> T {
-        ale::vary_inertia(self.ring, point, by, load);
-        let right = self.geometry.point(at).right;
+        ale::vary_inertia(self.given.ring, point, by, load);
+        let right = self.given.geometry.point(at).right;
         own.map_or(T::zero(), |face| face_weight(face, right))
     }
 
     #[inline(always)]
-    fn empty(&self) -> GuidedSum<T> {
-        GuidedSum::empty()
+    fn empty(&self) -> RingForces<T> {
+        RingForces::zero()
     }
 
     #[inline(always)]
     fn apply_varied(
         &self,
-        sum: &mut GuidedSum<T>,
+        sum: &mut RingForces<T>,
         at: usize,
-        (point, _): (&RingPoint<T>, &RingVariation<T>),
+        point: &RingPoint<T>,
+        _by: &RingVariation<T>,
         _own_load: &LineLoad<T>,
         station_load: &StationLoad<T>,
     ) {
-        self.add(sum, at, point, station_load, |_| T::zero());
+        sum.add_along(&self.derivatives(at, point), point, station_load, |_| T::zero());
     }
 
     #[inline(always)]
-    fn varied_forces(&self, sum: &GuidedSum<T>, own: Option<usize>, _beta: f64) -> RingForces<T> {
-        let mut forces = sum.forces();
+    fn varied_forces(&self, sum: &RingForces<T>, own: Option<usize>, _beta: f64) -> RingForces<T> {
+        let mut forces = *sum;
         match own {
             Some(0) => forces.tension += T::one(),
             Some(_) => forces.tension -= T::one(),

@@ -10,7 +10,7 @@ use super::tuning::{
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::State;
 use crate::solver::newton::Counts;
-use crate::variator::belt::ring::StartsOn;
+use crate::variator::belt::ring::MaterialMesh;
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::settings::capacity::{GivenSpeed, given_speed, short};
@@ -109,8 +109,8 @@ impl Simulation {
     /// Sets the state that a run starts from.
     fn find_state(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.end_soft_start();
-        if let Some(other) = self.system.belt.ring.starts_on() {
-            return self.start_on(other, start);
+        if let Some(material) = self.system.belt.material_mesh.clone() {
+            return self.start_on(material, start);
         }
         if !self.system.parameters.initial.steady {
             return self.start_slack(start);
@@ -265,14 +265,10 @@ impl Simulation {
     }
 
     /// Starts in the state of another ring.
-    fn start_on(
-        &mut self,
-        (ring, state_on): StartsOn,
-        start: &Start,
-    ) -> Result<StartState, InitialisationError> {
+    fn start_on(&mut self, material: MaterialMesh, start: &Start) -> Result<StartState, InitialisationError> {
         let parameters = &self.system.parameters;
-        ring.check(parameters)?;
-        let mut other = Simulation::new(parameters, ring);
+        material.starts_on.check(parameters)?;
+        let mut other = Simulation::new(parameters, material.starts_on);
         (other.time, other.given) = (self.time, self.given);
         let found = other.find_state(start);
         self.messages.append(&mut other.messages);
@@ -280,7 +276,7 @@ impl Simulation {
         self.soft_since = other.soft_since;
         self.start_work = other.start_work;
         self.other_start = other.other_start;
-        self.state = state_on(&self.system.belt, &other.system.belt, &other.state);
+        self.state = (material.start)(&self.system.belt, &other.system.belt, &other.state);
         Ok(found)
     }
 

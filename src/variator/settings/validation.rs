@@ -188,8 +188,8 @@ impl Parameters {
     #[must_use]
     pub fn pitch_radii(&self, ratio: f64) -> Option<PerPulley<f64>> {
         let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
-        let (primary, secondary) = curve.radii(ratio).ok()?;
-        Some(PerPulley { primary, secondary }.map(|radius| radius - self.pitch_offset()))
+        let radii = curve.radii(ratio).ok()?;
+        Some(radii.map(|radius| radius - self.pitch_offset()))
     }
 }
 

@@ -5,7 +5,6 @@
 //! Jacobian costs a quarter.
 
 use super::{FEWEST_ON_ARC, FEWEST_ON_STRAND};
-use crate::reference_curve::ReferenceCurve;
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
 use crate::solver::State;

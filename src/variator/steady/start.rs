@@ -4,7 +4,7 @@
 //! iterations.
 
 use crate::pulley::{PerPulley, Pulley, Wedge};
-use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
+use crate::reference_curve::{CurvePlace, GeometryError, TwoPulley, TwoPulleyFrame, ratio_of_theta};
 use crate::solver::State;
 use crate::variator::belt::Belt;
 use crate::variator::mesh::belt_mesh::{Cell, Station};
@@ -30,21 +30,19 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     let mut state = State::zero(layout.len());
     let law = &belt.law;
     let e = law.stack.pitch_offset;
-    let (reference_ratio, radii) = radii_at_pitch_ratio(&belt.curve, e, start.ratio)?;
-    let theta = ratio_of_theta(reference_ratio);
+    let ratio = reference_ratio(&belt.curve, e, start.ratio)?;
+    let radii = belt.curve.radii(ratio)?;
+    let theta = ratio_of_theta(ratio);
     let frame = belt.curve.frame::<f64>(theta);
     let Wedge { cos, tan, .. } = law.wedge;
-    let pitch = PerPulley {
-        secondary: radii.1 - e,
-        primary: radii.0 - e,
-    };
+    let pitch = radii.map(|radius| radius - e);
     let wrap = PerPulley {
         secondary: 2.0 * frame.phi.v,
         primary: TAU - 2.0 * frame.phi.v,
     };
     let speed = start.primary_speed * pitch.primary;
     state.q[layout.theta()] = theta;
-    state.y[layout.drift()] = speed * radii.0 / pitch.primary;
+    state.y[layout.drift()] = speed * radii.primary / pitch.primary;
     for j in Pulley::BOTH {
         let depth = start.clamping[j].max(0.0) / (law.contact.stiffness * cos * cos * pitch[j] * wrap[j]);
         state.q[layout.sheave(j)] = 2.0 * ((pitch[j] - law.r0) * tan + depth);
@@ -75,12 +73,12 @@ fn lead_across(belt: &Belt, frame: &TwoPulleyFrame<f64>, state: &mut State) {
     let layout = &belt.layout;
     let middle = belt.middles(state.view());
     let rise = middle.primary - middle.secondary;
-    for node in 0..layout.elements {
-        let (segment, x) = belt.on_curve(frame, node, belt.mesh.elements[node].start);
+    for (node, element) in belt.mesh.elements.iter().enumerate() {
+        let CurvePlace { segment, fraction: x } = frame.place(element.segment, element.start);
         let (w, slope) = match segment {
             1 | 3 => {
                 let fraction = if segment == 1 { x } else { 1.0 - x };
-                let length = TwoPulley::segment_length::<f64>(frame, segment).v;
+                let length = frame.segment_length(segment).v;
                 let sign = if segment == 1 { 1.0 } else { -1.0 };
                 (
                     middle.secondary + rise * fraction * fraction * (3.0 - 2.0 * fraction),
@@ -98,8 +96,9 @@ fn lead_across(belt: &Belt, frame: &TwoPulleyFrame<f64>, state: &mut State) {
 /// Mean reference curvature over the stations of a cell, 1/m.
 fn mean_curvature(belt: &Belt, frame: &TwoPulleyFrame<f64>, cell: &Cell) -> f64 {
     let of = |station: &Station| {
-        let (segment, fraction) = belt.on_curve(frame, cell.element, station.fraction);
-        TwoPulley::point::<f64>(frame, segment, fraction).kappa
+        let CurvePlace { segment, fraction } =
+            frame.place(belt.mesh.elements[cell.element].segment, station.fraction);
+        frame.point(segment, fraction).kappa
     };
     let first = of(&cell.stations[0]);
     let weight: f64 = cell.stations.iter().map(|station| station.weight).sum();
@@ -107,13 +106,12 @@ fn mean_curvature(belt: &Belt, frame: &TwoPulleyFrame<f64>, cell: &Cell) -> f64 
     first + others.sum::<f64>() / weight
 }
 
-/// Reference ratio and radii (r_P, r_S) at which the pitch radii have the quotient `ratio`.
-fn radii_at_pitch_ratio(curve: &TwoPulley, e: f64, ratio: f64) -> Result<(f64, (f64, f64)), GeometryError> {
+/// The ratio of the reference curve at which the pitch radii have the quotient `ratio`.
+fn reference_ratio(curve: &TwoPulley, e: f64, ratio: f64) -> Result<f64, GeometryError> {
     let mut reference = ratio;
-    let mut radii = curve.radii(reference)?;
     for _ in 0..30 {
-        reference *= ratio * (radii.0 - e) / (radii.1 - e);
-        radii = curve.radii(reference)?;
+        let radii = curve.radii(reference)?;
+        reference *= ratio * (radii.primary - e) / (radii.secondary - e);
     }
-    Ok((reference, radii))
+    Ok(reference)
 }

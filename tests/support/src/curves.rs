@@ -2,9 +2,11 @@
 
 use nalgebra::Vector2;
 use pushbelt::reference_curve::{
-    COORDINATES, Jet, MeshCurve, Path, PointDerivatives, ReferenceCurve, TwoPulley, TwoPulleyFrame,
+    COORDINATES, CoordinateDerivatives, Jet, Path, PointDerivatives, ReferencePoint, TwoPulley,
+    TwoPulleyFrame,
 };
 use pushbelt::scalar::Dual;
+use std::ops::Range;
 
 /// Fractions of a segment at which the curve is examined.
 pub const FRACTIONS: [f64; 3] = [0.0, 0.3, 1.0];
@@ -24,11 +26,11 @@ pub fn path(t: f64) -> Path<f64> {
         [-3e-3, 0.01, 0.05],
         [1e-4, 0.02, 0.03],
     ];
-    of.map(|[v, d, dd]| Jet {
+    Path::from_array(of.map(|[v, d, dd]| Jet {
         v: v + t * d + 0.5 * t * t * dd,
         d: d + t * dd,
         dd,
-    })
+    }))
 }
 
 /// The frame at t = 0 with its derivatives in time.
@@ -39,7 +41,7 @@ pub fn moving_frame() -> TwoPulleyFrame<Dual> {
         d: Dual::seed(x.d, 0, x.dd),
         dd: Dual::seed(x.dd, 0, 0.0),
     });
-    TwoPulley::on_path(&curve(), &moving)
+    curve().on_path(&moving)
 }
 
 #[track_caller]
@@ -48,17 +50,19 @@ fn close(a: Vector2<f64>, b: Vector2<f64>, tolerance: f64) {
 }
 
 /// Derivatives along a path, and the derivatives of these by the scalar, against central
-/// differences.
+/// differences. The curve is that of `point`, and with derivatives of `dual_point`.
 #[track_caller]
-pub fn assert_path<C: ReferenceCurve>(
-    frame: impl Fn(f64) -> C::Frame<f64>,
-    dual: &C::Frame<Dual>,
-    segments: usize,
+pub fn assert_path(
+    frame: impl Fn(f64) -> TwoPulleyFrame<f64>,
+    dual: &TwoPulleyFrame<Dual>,
+    segments: Range<usize>,
+    point: impl Fn(&TwoPulleyFrame<f64>, usize, f64) -> ReferencePoint<f64>,
+    dual_point: impl Fn(&TwoPulleyFrame<Dual>, usize, f64) -> ReferencePoint<Dual>,
 ) {
     let h = 1e-5;
-    for segment in 0..segments {
+    for segment in segments {
         for f in FRACTIONS {
-            let at = |t: f64| C::point(&frame(t), segment, f);
+            let at = |t: f64| point(&frame(t), segment, f);
             let (p, plus, minus) = (at(0.0), at(h), at(-h));
             let difference = |a: Vector2<f64>, b: Vector2<f64>| (a - b) / (2.0 * h);
             close(p.r_theta, difference(plus.r, minus.r), 1e-9);
@@ -67,7 +71,7 @@ pub fn assert_path<C: ReferenceCurve>(
             assert!((p.kappa_theta - (plus.kappa - minus.kappa) / (2.0 * h)).abs() < 1e-6);
             assert!((p.xi.d - (plus.xi.v - minus.xi.v) / (2.0 * h)).abs() < 1e-9);
             assert!((p.xi.dd - (plus.xi.d - minus.xi.d) / (2.0 * h)).abs() < 1e-8);
-            let d = C::point(dual, segment, f);
+            let d = dual_point(dual, segment, f);
             close(d.r.map(|x| x.eps[0]), p.r_theta, 1e-12);
             close(d.r_theta.map(|x| x.eps[0]), p.r_theta2, 1e-11);
             close(d.t.map(|x| x.eps[0]), p.n * p.chi_theta, 1e-11);
@@ -79,21 +83,26 @@ pub fn assert_path<C: ReferenceCurve>(
     }
 }
 
-/// Derivatives by each coordinate against central differences.
+/// Derivatives by each coordinate, those of `derivatives`, against central differences.
 #[track_caller]
-pub fn assert_derivatives<C: MeshCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f64>, segments: usize) {
+pub fn assert_derivatives(
+    segments: Range<usize>,
+    point: impl Fn(&TwoPulleyFrame<f64>, usize, f64) -> ReferencePoint<f64>,
+    derivatives: impl Fn(&TwoPulleyFrame<f64>, usize, f64, &ReferencePoint<f64>) -> CoordinateDerivatives<f64>,
+) {
     let h = 1e-6;
-    for segment in 0..segments {
+    for segment in segments {
         for f in FRACTIONS {
             let at = |k: usize, step: f64| {
-                let mut path = path(0.0);
+                let mut path = path(0.0).to_array();
                 path[k].v += step;
-                let frame = frame(&path);
-                let length = C::segment_length(&frame, segment).v;
-                (C::point(&frame, segment, f), length.ln())
+                let frame = curve().on_path(&Path::from_array(path));
+                let length = frame.segment_length(segment).v;
+                (point(&frame, segment, f), length.ln())
             };
-            let of = frame(&path(0.0));
-            let (shape, turn) = C::derivatives(&of, segment, f, &C::point(&of, segment, f));
+            let of = curve().on_path(&path(0.0));
+            let here = point(&of, segment, f);
+            let by = derivatives(&of, segment, f, &here);
             for k in 0..COORDINATES {
                 let ((plus, of_plus), (minus, of_minus)) = (at(k, h), at(k, -h));
                 let [xi, kappa, dilation] =
@@ -101,11 +110,12 @@ pub fn assert_derivatives<C: MeshCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f
                         .map(|difference| difference / (2.0 * h));
                 let unit = [Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)];
                 let found = match k {
-                    0 | 1 => shape[k],
+                    0 => by.theta,
+                    1 => by.spread,
                     _ => PointDerivatives {
                         r: match k {
-                            2 => turn,
-                            5 => -C::point(&of, segment, f).n,
+                            2 => by.turn,
+                            5 => -here.n,
                             _ => unit[k - 3],
                         },
                         xi: 0.0,

@@ -62,12 +62,12 @@ pub fn disturbed_with(
         primary_speed: speed,
         clamping: CLAMPING,
     };
-    let starts_on = system.belt.ring.starts_on();
-    let travels = starts_on.is_some();
-    let mut state = if let Some((ring, state_on)) = starts_on {
-        let other = VariatorSystem::with_ring(parameters, ring).belt;
+    let material = &system.belt.material_mesh;
+    let travels = material.is_some();
+    let mut state = if let Some(material) = material {
+        let other = VariatorSystem::with_ring(parameters, material.starts_on.clone()).belt;
         let on_other = kinematic_state(&other, &start).expect("the belt closes");
-        state_on(&system.belt, &other, &on_other)
+        (material.start)(&system.belt, &other, &on_other)
     } else {
         kinematic_state(&system.belt, &start).expect("the belt closes")
     };
@@ -98,9 +98,9 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     // Strains of a travelling ring are differences of positions, so each force has a rounding error
     // of EA·ε.
     let mut coarse = vec![false; size.len()];
-    if system.belt.ring.starts_on().is_some() {
+    if system.belt.material_mesh.is_some() {
         let layout = &system.belt.layout;
-        layout.node_unknowns().for_each(|(i, is_length)| coarse[i] = is_length);
+        layout.node_unknowns().for_each(|i| coarse[i] = layout.is_length(i));
     }
     let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
     let name = system.belt.ring.name();
@@ -131,7 +131,8 @@ fn columns(system: &VariatorSystem, state: &State, equations: Equations, by_hand
             alpha: 1.0e4,
             beta: 1.0e-4,
         },
-        (&mut matrix, &mut resultants),
+        &mut matrix,
+        &mut resultants,
     );
     let column = |k: usize| {
         let (mut unit, mut column) = (vec![0.0; n], vec![0.0; n]);

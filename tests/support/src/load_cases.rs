@@ -47,7 +47,7 @@ impl LoadCase {
 /// Least clamping force at which the primary pulley transmits a torque at a ratio, at least 6 kN.
 pub fn clamping(parameters: &Parameters, ratio: f64, capacity: f64) -> f64 {
     let system = VariatorSystem::new(parameters);
-    let (primary, _) = system.belt.curve.radii(ratio).expect("the belt closes");
+    let primary = system.belt.curve.radii(ratio).expect("the belt closes").primary;
     let radius = primary - parameters.belt.pitch_offset;
     let cos_beta = parameters.geometry.wedge_angle.cos();
     (capacity / contact::full_slip_torque(&parameters.friction, cos_beta, 1.0, radius)).max(6000.0)

@@ -43,6 +43,6 @@ impl Meter {
 /// Residuals, Jacobians, and how often the whole geometry was differentiated.
 fn counts(variator: &Variator) -> [f64; 3] {
     let counts = variator.counts();
-    let [geometry, _] = variator.system().differentiations();
+    let geometry = variator.system().differentiations();
     [counts.residuals, counts.factorizations, geometry].map(|count| count as f64)
 }
