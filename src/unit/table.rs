@@ -144,7 +144,7 @@ pub(super) fn outputs<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S
         read!("loss.layers", 25, Output, Real("W", Range::typical(10.0)), "Friction loss between the layers of the ring sets", losses.layers),
         read!("loss.shafts", 26, Output, Real("W", Range::typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", losses.shafts),
         read!("loss.seals", 36, Output, Real("W", Range::typical(1.0)), "Friction loss of the seals of both cylinders", losses.seals),
-        read!("loss.element_rotation", 33, Output, Real("W", Range::typical(10.0)), "Loss by elements that start and stop turning where they enter and leave an arc: an upper bound, since both are taken as plastic", losses.element_rotation),
+        read!("loss.spin", 33, Output, Real("W", Range::typical(10.0)), "Loss by elements that start and stop turning where they enter and leave an arc: an upper bound, since both are taken as plastic", losses.element_rotation),
         read!("loss.joints", 35, Output, Real("W", Range::typical(10.0)), "Friction loss in the joints of a pull chain", losses.joints),
         read!("pushForce.max", 15, Output, Real("N", Range::typical(1000.0)), "Largest push force between elements", push_force_max),
         read!("ring.tensionMax", 16, Output, Real("N", Range::typical(1000.0)), "Largest ring tension", ring_tension_max),

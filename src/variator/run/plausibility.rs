@@ -115,7 +115,7 @@ fn buckling(simulation: &Simulation, last: &mut f64) -> Option<String> {
         return None;
     }
     let real = if simulation.system.belt.law.is_pull_chain() {
-        "stack would be slack"
+        "chain would be slack"
     } else {
         "push strand would buckle"
     };

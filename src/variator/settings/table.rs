@@ -290,7 +290,7 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         // An element of 2 g and 12 mm: I = m h²/12 = 2.4e-8 as a bar, and m d² = 0.2e-8 with its
         // centre of mass 1 mm below the rocking edge, because the body below the saddle is heavier
         // than the head. All energy of turning lost is an upper bound; half of it is the estimate.
-        row!("belt.elementInertia", 1058, Parameter, Real("kg.m2", 1.3e-8, [0.0, 1e-4]), belt.element_inertia, "Moment of inertia of an element about its rocking edge, which determines loss.element_rotation; 0: no such loss"),
+        row!("belt.elementInertia", 1058, Parameter, Real("kg.m2", 1.3e-8, [0.0, 1e-4]), belt.element_inertia, "Moment of inertia of an element about its rocking edge, which determines loss.spin; 0: no such loss"),
         row!("belt.filmThickness", 1040, Parameter, Real("m", 1.5e-6, [1e-8, 1e-4]), belt.film_thickness, "Gap between elements over which the forces of the oil decrease"),
         row!("belt.filmDamping", 1057, Parameter, Real("N.s", 9.0, [0.0, 1e3]), belt.film_damping, "Viscosity of the oily stack: force per rate of strain, twice as large where elements approach at any gap; where they separate divided by (1 + gap/belt.filmThickness)^2"),
         row!("belt.squeezeDamping", 1085, Parameter, Real("N.s", 750.0, [0.0, 1e5]), belt.squeeze_damping, "Squeeze damping: force between elements per rate of strain by oil squeezed out of a closing gap, at a gap of zero; divided by (1 + gap/belt.filmThickness)^3"),
