@@ -1,7 +1,8 @@
-"""Writes files that the build packs into the FMU: those of FMI-LS-REF 1.0.0-alpha.1, and the published parameter sets as SSV.
+"""Writes files that the build packs into the FMU: those of FMI-LS-REF 1.0.0-beta.1, and the published parameter sets as SSV.
 
-FMI-LS-REF is the layered standard of the Modelica Association for related files in an FMU; this version is an alpha. Its files, a smoke
-test with its result, are in `resources/reference/`, and in the FMU in `extra/org.fmi-standard.fmi-ls-ref/`.
+FMI-LS-REF is the layered standard of the Modelica Association for related files in an FMU; this version is a beta. It takes the format of
+experiments from the harmonised specification ma-hs-experiments. Its files, a smoke test with its result, are in `resources/reference/`, and
+in the FMU in `extra/org.fmi-standard.fmi-ls-ref/`.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.start_values import SSV, check_ssv, checked
 
 NAME = "org.fmi-standard.fmi-ls-ref"
-VERSION = "1.0.0-alpha.1"
+VERSION = "1.0.0-beta.1"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 NAMESPACE = "http://fmi-standard.org/fmi-ls-manifest"
 ABOUT = "Layered Standard providing information on related files included in an FMU."
@@ -31,7 +32,7 @@ FOLDER = f"extra/{NAME}"
 """Folder in the archive."""
 MANIFEST, EXPERIMENTS = "fmi-ls-manifest.xml", "smoke-test.exp"
 PARAMETERS, STIMULI, REFERENCES = "smoke-test.ssv", "smoke-test-in.csv", "smoke-test-ref.csv"
-SSV_TYPE, EXPERIMENTS_TYPE, CSV_TYPE = "application/x-ssp-parameter-set", "application/x-ma-ls-experiments", "text/csv"
+SSV_TYPE, EXPERIMENTS_TYPE, CSV_TYPE = "application/x-ssp-parameter-set", "application/x-ma-hs-experiments", "text/csv"
 STOP, STEP, INTERVAL = 0.5, 1e-3, 1e-2
 """End of the smoke test, communication step and spacing of the results, s."""
 TOLERANCE = 5e-3

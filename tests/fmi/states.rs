@@ -5,7 +5,7 @@ use pushbelt::fmi::hash;
 use pushbelt::fmi::log::Status::{Error, Ok};
 
 use crate::importer::Handles;
-use crate::variator::{Importer, ramp, reference};
+use crate::variator::{Importer, ramp, real_outputs, reference};
 
 /// In the ramp of the loads and after it, with a parameter that is not yet in force, also in the
 /// other version.
@@ -43,8 +43,16 @@ fn a_state_is_continued_bit_for_bit_in_every_instance() {
     }
 }
 
+/// Outputs, and their derivatives unless these are refused.
+fn assert_finite(importer: &Importer) {
+    let slopes = importer.derivatives(&real_outputs(), 1).unwrap_or_default();
+    let outputs = importer.readings().into_iter().map(f64::from_bits);
+    let wild: Vec<_> = outputs.chain(slopes).filter(|value| !value.is_finite()).collect();
+    assert!(wild.is_empty(), "{wild:?}");
+}
+
 /// Deliberately changed bytes with a valid checksum are refused, or give a state that runs or fails
-/// in the ordinary way: no panic, bounded memory, and steps that end.
+/// in the ordinary way: no panic, bounded memory, steps that end, and finite outputs.
 #[test]
 fn manipulated_bytes_cause_no_panic_and_no_unbounded_work() {
     use proptest::prelude::{Just, Strategy, any, prop_oneof};
@@ -94,8 +102,11 @@ fn manipulated_bytes_cause_no_panic_and_no_unbounded_work() {
         let allocated = allocation_counter::measure(|| {
             if importer.continue_from(&bytes) == Ok {
                 taken.set(taken.get() + 1);
-                importer.step(0.003, 0.001);
-                importer.step(0.004, 0.001);
+                for from in [0.003, 0.004] {
+                    assert_finite(&importer);
+                    importer.step(from, 0.001);
+                }
+                assert_finite(&importer);
             }
         });
         assert!(allocated.bytes_max < 256 << 20, "{} bytes at once", allocated.bytes_max);

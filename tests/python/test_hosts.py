@@ -62,6 +62,19 @@ def test_the_program_for_rigs_runs_the_library_and_counts(fmu: Path, description
     assert nothing.returncode == 1 and "surf" in nothing.stderr
 
 
+def test_a_loop_in_the_initialisation_closes_by_substitution(fmu: Path) -> None:
+    """With a load of 0.3 N.m.s, as tools.md has it. The primary speed depends on no torque."""
+    with Archive.unpack(fmu) as archive, Instance(archive, {}) as unit:
+        unit._call(unit._instance.enterInitializationMode)
+        unit.set(INPUTS)
+        speeds = [(unit.get("secondary.speed"), unit.get("primary.speed"))]
+        for _ in range(5):
+            unit.set({"secondary.torque": INPUTS["secondary.torque"] - 0.3 * (speeds[-1][0] - 209.0)})
+            speeds.append((unit.get("secondary.speed"), unit.get("primary.speed")))
+    rounds, primary = np.abs(np.diff(speeds, axis=0)).T
+    assert rounds[0] > 1e-3 and rounds[3] < 1e-9 and not primary.any()
+
+
 @pytest.fixture(scope="module")
 def importer() -> Path:
     """The program, compiled in a folder of its own."""

@@ -1,4 +1,4 @@
-"""Files related to the FMU (FMI-LS-REF, alpha): the manifest, the smoke test from the archive alone, and parameter sets as SSV files."""
+"""Files related to the FMU (FMI-LS-REF, beta): the manifest, the smoke test from the archive alone, and parameter sets as SSV files."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ PREFIX = "{http://fmi-standard.org/fmi-ls-manifest}fmi-ls-"
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 ROLES = re.compile(
     "document|requirement|specification|model|parameter|system|testcase|experiment(/(smoke-test|validation|uncertainty-analysis))?|result"
-    "|method|rationale|report|request|delivery|configuration|signature|serialized-state(/.*)?|other"
+    "|method|rationale|report|request|delivery|configuration|signature|serialized-state(/.*)?|meta-data|other"
 )
-"""Roles of FMI-LS-REF 1.0.0-alpha.1."""
+"""Roles of FMI-LS-REF 1.0.0-beta.1."""
 
 
 @pytest.fixture(params=["fmu", "fmu3"])
@@ -54,8 +54,9 @@ def test_the_manifest_is_that_of_the_standard(path: Path) -> None:
         root = etree.fromstring(archive.read(f"{FOLDER}/fmi-ls-manifest.xml"))
     assert root.tag == "fmiReferences"
     version = (root.get(f"{PREFIX}name"), root.get(f"{PREFIX}version"))
-    assert version == ("org.fmi-standard.fmi-ls-ref", "1.0.0-alpha.1") and f"{PREFIX}description" in root.attrib and len(root.attrib) == 3
+    assert version == ("org.fmi-standard.fmi-ls-ref", "1.0.0-beta.1") and f"{PREFIX}description" in root.attrib and len(root.attrib) == 3
     assert all(one.tag == "Related" and set(one.attrib) == {"type", "source", "role", "description"} for one in root)
+    assert [one.get("type") for one in root if one.get("role").startswith("experiment")] == ["application/x-ma-hs-experiments"]
     found = related(path)
     assert all(ROLES.fullmatch(role) for role, _ in found)
     assert {"experiment/smoke-test", "result", "parameter"} <= {role for role, _ in found}
@@ -93,7 +94,7 @@ def smoke_test(path: Path, folder: Path) -> None:
     variables = {variable.name: variable for variable in fmpy.read_model_description(str(folder)).modelVariables}
     page = (folder / "documentation" / "fmi-ls-ref.html").read_text(encoding="utf-8")
     (tolerance,) = map(float, re.findall(r'id="tolerance">([^<]+)<', page))
-    assert tolerance == reference.TOLERANCE and "alpha" in page
+    assert tolerance == reference.TOLERANCE and "beta" in page
     root = etree.parse(str(experiments)).getroot()
     assert root.tag == "Experiments" and root.get("name") and len(root) > 0
     for experiment in root:

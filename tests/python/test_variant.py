@@ -201,6 +201,75 @@ def test_only_the_folder_of_the_library_itself_counts(folder, tmp_path: Path) ->
     assert library.log == [FAST]
 
 
+NO_PROC = """
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <stdarg.h>
+#include <string.h>
+#include <sys/types.h>
+
+/* As where there is no /proc. */
+int open64(const char *path, int flags, ...) {
+    va_list more;
+    va_start(more, flags);
+    mode_t mode = va_arg(more, mode_t);
+    va_end(more);
+    if (strcmp(path, "/proc/self/maps") == 0) {
+        errno = ENOENT;
+        return -1;
+    }
+    return ((int (*)(const char *, int, ...))dlsym(RTLD_NEXT, "open64"))(path, flags, mode);
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="the test needs a C compiler")
+def test_the_variant_is_found_without_proc(folder, tmp_path: Path) -> None:
+    """By the path that the host gave, if that is absolute."""
+    path, shim = folder(), tmp_path / "shim.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", shim, "-x", "c", "-", "-ldl"], input=NO_PROC, text=True, check=True)
+    code = """if True:
+        import sys, test_variant
+        library = test_variant.Library(sys.argv[1])
+        library.create().freeInstance()
+        print(*library.log)"""
+    more = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(more), "LD_PRELOAD": str(shim)}
+    for given, message in ((path, FAST), ("./Lag.so", f"{SLOW}the path of this library is unknown")):
+        command = [sys.executable, "-c", code, given]
+        log = subprocess.run(command, cwd=path.parent, env=environment, check=True, capture_output=True, text=True).stdout
+        assert log.strip() == message
+
+
+def test_without_a_free_descriptor_the_library_runs_by_itself(folder) -> None:
+    """But not beside instances in the variant, which the next one joins."""
+    import resource
+
+    library = Library(folder())
+    units = [library.load(library.guid) for _ in range(3)]
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+
+    def create(unit: fmi2.FMU2Slave, descriptors: int) -> None:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, limits[1]))
+        try:
+            unit.instantiate(callbacks=library.callbacks, loggingOn=True)
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+
+    create(units[0], 3)
+    assert len(library.log) == 1 and library.log[0].startswith(SLOW)
+    units[0].freeInstance()
+    create(units[1], limits[0])
+    create(units[2], 3)
+    assert library.log[1:] == [FAST, FAST]
+    for unit in units[1:]:
+        start(unit)
+        assert step(unit) == pytest.approx(AFTER_STEP)
+        unit.freeInstance()
+    assert not is_loaded(variant(Path(library.path)))
+
+
 def test_an_instance_stays_in_its_library(folder, monkeypatch: pytest.MonkeyPatch) -> None:
     """While an instance of the library itself exists, the variant is not opened."""
     path = folder()

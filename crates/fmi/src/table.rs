@@ -433,7 +433,16 @@ impl Array {
     }
 }
 
-/// All variables of a unit, with the units and enumerations they use.
+/// Added to the value reference of an element of an array: the element as a scalar of FMI 3.0, where
+/// its own means the array. Copies of a description for importers that read no arrays have these.
+pub const SCALARS: u32 = 1_000_000;
+
+/// Added to the value reference of a calculated truth value: 1 or 0 as a real number. Copies of a
+/// description for importers that read all outputs as real numbers have these.
+pub const REALS: u32 = 2_000_000;
+
+/// All variables of a unit, with the units and enumerations they use. Value references are below
+/// [`SCALARS`].
 pub struct Table<S, R> {
     /// The units that variables use.
     pub units: Vec<UnitDefinition>,
@@ -517,10 +526,16 @@ impl<S, R> Table<S, R> {
         &self.variables
     }
 
-    /// The variable with a value reference.
+    /// The variable with a value reference, also as a scalar or as a real number.
     #[must_use]
     pub fn by_reference(&self, reference: u32) -> Option<&Variable<S, R>> {
-        self.by_reference.get(&reference).map(|index| &self.variables[*index])
+        let find = |own| self.by_reference.get(&own).map(|index| &self.variables[*index]);
+        match reference {
+            ..SCALARS => find(reference),
+            SCALARS..REALS => find(reference - SCALARS).filter(|one| self.array_of(one.reference).is_some()),
+            REALS.. => find(reference - REALS)
+                .filter(|one| matches!(one.kind, Kind::Boolean { .. }) && !one.causality.is_setting()),
+        }
     }
 
     /// The variable with a name.

@@ -1,5 +1,5 @@
-"""The command `pushbelt`: runs the programs with the FMU of the package, writes FMUs with other start values or flat names, and shows
-variables, pages and the cache."""
+"""The command `pushbelt`: runs the programs with the FMU of the package, writes FMUs with other start values or for stricter importers,
+and shows variables, pages and the cache."""
 
 from __future__ import annotations
 
@@ -46,13 +46,17 @@ def parser() -> argparse.ArgumentParser:
         made.set_defaults(runs=runs)
         return made
 
-    fmu = command("fmu", "write_fmu", "write a copy of the FMU with other start values, or with flat names")
+    fmu = command("fmu", "write_fmu", "write a copy of the FMU with other start values, or for stricter importers")
     fmu.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
     options.add_set(fmu, "start value of a parameter or an input")
     fmu.add_argument("--variator", metavar="NAME", help=f"applied first, {options.VARIATOR}")
     fmu.add_argument("--ssv", type=Path, metavar="SET.ssv", help="applied next, a parameter set: System Structure Parameter Values 1.0")
     text = "flat names, such as primary_torque instead of primary.torque, for tools that read a dot as a bus or a record; "
     fmu.add_argument("--flat", action="store_true", help=text + "--set and --ssv have the names with dots")
+    text = "for importers that read all outputs as Real: the others become local, and macroSlipReal is 1 where macroSlip is true"
+    fmu.add_argument("--real-outputs", action="store_true", help=text)
+    text = "with --fmi3, for importers that read no arrays: each element is a variable, such as profile.pushForce[1]"
+    fmu.add_argument("--scalars", action="store_true", help=text)
     fmu.add_argument("--fmi3", action="store_true", help="for FMI 3.0 instead of 2.0")
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
     maps = command("map-fmu", "write_map_fmu", "write an FMU of a variator from maps")

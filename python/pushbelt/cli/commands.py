@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from ..errors import ArgumentError, require, similar
-from ..fmu import cache, flat, start_values
+from ..fmu import cache, copies, flat, start_values
 from ..fmu.data import parameter_set
 from ..fmu.files import DOCS, default_fmu, found
 from ..fmu.unit import Archive, Instance, UnitError
@@ -24,27 +24,38 @@ def write_fmu(options: argparse.Namespace) -> int:
     """`pushbelt fmu`: checks the values against the variable table and on the FMU itself, and writes the copy."""
     _check_name(options.copy)
     fmu = options.fmu or (found("PUSHBELT_FMU3", "PushbeltVariator3.fmu", "cargo fmu build --fmi3") if options.fmi3 else default_fmu())
-    _check_version(fmu, options)
-    if options.flat and not (options.set or options.variator or options.ssv):
-        described(fmu)
-        flat.write_copy(fmu, options.copy)
-        print(f"{options.copy.resolve()} (flat names)")
-        return 0
+    description = _check_version(fmu, options)
+    if options.scalars and description.fmiVersion != "3.0":
+        raise ArgumentError(f"--scalars: {fmu} is of FMI {description.fmiVersion}, which has no arrays; --fmi3 takes that of FMI 3.0")
+    has_values = options.set or options.variator or options.ssv
+    if description.variableNamingConvention == "flat" and (has_values or options.scalars or options.real_outputs):
+        raise ArgumentError(f"{fmu} has flat names: write a copy of the original, with --flat and the other options together")
+    source, facts, remarks = fmu, [], []
+    if has_values or not (options.flat or options.scalars or options.real_outputs):
+        values, remarks = _chosen(fmu, description, options)
+        start_values.write_copy(fmu, options.copy, values)
+        source, facts = options.copy, [f"{len(values)} start values"]
+    changes = {"real outputs": options.real_outputs and copies.with_real_outputs, "scalars": options.scalars and copies.with_scalars}
+    if chosen := {name: change for name, change in changes.items() if change}:
+        copies.write_copy(source, options.copy, *chosen.values())
+        source, facts = options.copy, [*facts, *chosen]
+    if options.flat:
+        flat.write_copy(source, options.copy)
+        facts.append("flat names")
+    _print(options.copy, remarks, f" ({', '.join(facts)})")
+    return 0
+
+
+def _chosen(fmu: Path, description: Any, options: argparse.Namespace) -> tuple[dict[str, float], list[str]]:
+    """The start values of the options, and the FMU's warnings about them."""
     # Values for FMI 3.0 are tried on the FMU of FMI 2.0, which has the same library and variables.
-    archive = cache.unpacked(default_fmu() if described(fmu).fmiVersion == "3.0" else fmu)
-    if archive.description.variableNamingConvention == "flat":
-        raise ArgumentError(f"{fmu} has flat names: write its start values together with --flat into a copy of the original")
+    archive = cache.unpacked(default_fmu() if description.fmiVersion == "3.0" else fmu)
     given: dict[str, Any] = parameter_set(options.variator) if options.variator else {}
     if options.ssv:
         given |= start_values.read_ssv(options.ssv, archive.variables)
     given |= dict(options.set)
     values = start_values.checked(archive.variables, given)
-    remarks = _tried(archive, values, "values")
-    start_values.write_copy(fmu, options.copy, values)
-    if options.flat:
-        flat.write_copy(options.copy, options.copy)
-    _print(options.copy, remarks, f" ({len(values)} start values{', flat names' if options.flat else ''})")
-    return 0
+    return values, _tried(archive, values, "values")
 
 
 def _check_version(fmu: Path, options: argparse.Namespace) -> Any:

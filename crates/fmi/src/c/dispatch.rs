@@ -1,11 +1,10 @@
 //! Forwarding to a variant of the library for newer processors.
 //!
 //! A portable build has two libraries for x86-64: `Name`, which runs everywhere and is complete by
-//! itself, and `Name-avx2` in the same folder. An instance that `Name` creates there opens
-//! `Name-avx2`, gets all its calls forwarded, and closes it at its end; the operating system counts
-//! how often. So a host that unloads `Name` after its instances leaves nothing loaded. Instances
-//! that exist at the same time are all in one of the two, because they exchange stored states. A
-//! function is looked up at each call: 0.1 µs.
+//! itself, and `Name-avx2` in the same folder. The first instance that `Name` creates there opens
+//! `Name-avx2`, those beside it share it, and the last one closes it. So a host that unloads `Name`
+//! after its instances leaves nothing loaded. Instances that exist at the same time are all in one
+//! of the two, because they exchange stored states. A function is looked up at each call: 0.1 µs.
 //!
 //! `Name` runs by itself, with a warning that says why, if the processor lacks AVX2, if the
 //! environment variable `PUSHBELT_AVX2` is "0", or if `Name-avx2` is not the file of its build.
@@ -18,7 +17,7 @@ use std::fs;
 use std::path::Path;
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use super::entry::contain;
 use super::library::{self, Library};
@@ -34,41 +33,51 @@ const HANDSHAKE: &str = "pushbeltVariant";
 /// Why the library of a portable build runs.
 static MESSAGE: Mutex<Option<Message>> = Mutex::new(None);
 
-fn message_now() -> MutexGuard<'static, Option<Message>> {
-    MESSAGE.lock().unwrap_or_else(PoisonError::into_inner)
+/// The variant, while instances are in it.
+static VARIANT: Mutex<Weak<Library>> = Mutex::new(Weak::new());
+
+/// Instances of this library.
+static INSTANCES: AtomicUsize = AtomicUsize::new(0);
+
+fn now<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What the log of a new instance has about the choice of the library.
 pub(crate) fn message() -> Option<Message> {
-    message_now().clone()
+    now(&MESSAGE).clone()
 }
 
 /// Another library opens this one as its variant.
 pub fn handshake() {
     let (warning, text) = (false, "the library for processors with AVX2 runs".to_owned());
-    *message_now() = Some(Message { warning, text });
+    *now(&MESSAGE) = Some(Message { warning, text });
 }
-
-/// Instances of this library, and those that it has forwarded.
-static INSTANCES: [AtomicUsize; 2] = [const { AtomicUsize::new(0) }; 2];
 
 /// What a host has as an instance of a library with a variant.
 struct Handle {
     instance: *mut c_void,
     /// The library of the instance, if it is not this one.
-    variant: Option<Library>,
+    variant: Option<Arc<Library>>,
     /// Whether a call is being made on it.
     is_in_call: Cell<bool>,
 }
 
 impl Handle {
-    fn count(&self) -> &'static AtomicUsize {
-        &INSTANCES[usize::from(self.variant.is_some())]
-    }
-
     /// A function of the variant; null for an instance of this library.
     fn function(&self, name: &str) -> *mut c_void {
         self.variant.as_ref().map_or(null_mut(), |library| library.find(name))
+    }
+}
+
+impl Drop for Handle {
+    fn drop(&mut self) {
+        let mut variant = now(&VARIANT);
+        self.variant = None;
+        if variant.strong_count() == 0 {
+            // Its memory is freed, since the host may unload this library now.
+            *variant = Weak::new();
+        }
     }
 }
 
@@ -85,7 +94,7 @@ pub fn create(hash: &str, name: &str, call: impl FnOnce(*mut c_void) -> *mut c_v
         if handle.instance.is_null() {
             return null_mut();
         }
-        handle.count().fetch_add(1, SeqCst);
+        INSTANCES.fetch_add(handle.variant.is_none().into(), SeqCst);
         Box::into_raw(Box::new(handle)).cast()
     })
 }
@@ -121,45 +130,47 @@ pub unsafe fn free(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *m
             // SAFETY: it is not null, so it is from `Box::into_raw` in `create`, and has not been
             // freed. No call on it is in progress, and none follows.
             let handle = unsafe { Box::from_raw(handle) };
-            handle.count().fetch_sub(1, SeqCst);
+            INSTANCES.fetch_sub(handle.variant.is_none().into(), SeqCst);
         });
     }
 }
 
 /// The variant for a new instance.
-fn choose(hash: &str) -> Option<Library> {
-    let [own, forwarded] = INSTANCES.each_ref().map(|count| count.load(SeqCst) > 0);
-    if own {
+fn choose(hash: &str) -> Option<Arc<Library>> {
+    if INSTANCES.load(SeqCst) > 0 {
         return None;
     }
-    let found = open(hash, forwarded).map_err(|why| {
+    let mut variant = now(&VARIANT);
+    if let Some(open) = variant.upgrade() {
+        return Some(open);
+    }
+    let found = open(hash).map(Arc::new).map_err(|why| {
         let text = format!("the slower library for all processors runs: {why}");
-        *message_now() = Some(Message::warning(text));
+        *now(&MESSAGE) = Some(Message::warning(text));
     });
+    *variant = found.as_ref().map(Arc::downgrade).unwrap_or_default();
     found.ok()
 }
 
-/// Opens the variant, or says why this library runs by itself. Its file and the switch are not
-/// checked again if it `is_open`.
-fn open(hash: &str, is_open: bool) -> Result<Library, String> {
+/// Opens the variant, or says why this library runs by itself.
+fn open(hash: &str) -> Result<Library, String> {
     if !has_avx2() {
         return Err("the processor has no AVX2".to_owned());
     }
-    if !is_open && std::env::var_os(SWITCH).is_some_and(|value| value == "0") {
+    if std::env::var_os(SWITCH).is_some_and(|value| value == "0") {
         return Err(format!("{SWITCH} is 0"));
     }
     let own = library::own_path().ok_or("the path of this library is unknown")?;
     let name = own.file_stem().unwrap_or_default().display();
     let path = own.with_file_name(format!("{name}-avx2{}", std::env::consts::DLL_SUFFIX));
-    let checked = if is_open { Ok(()) } else { check(&path, hash) };
-    let opened = checked.and_then(|()| load(&path));
+    let opened = check(&path, hash).and_then(|()| load(&path));
     opened.map_err(|why| format!("{}: {why}", path.display()))
 }
 
 /// Loads a checked file.
 fn load(path: &Path) -> Result<Library, String> {
     // SAFETY: `check` has compared the file's hash with that of the library compiled with this one,
-    // whose initialisation is that of Rust's standard library; or that library is open already.
+    // whose initialisation is that of Rust's standard library.
     let library = unsafe { Library::open(path) }?;
     let handshake = library.find(HANDSHAKE);
     if handshake.is_null() {
@@ -223,7 +234,7 @@ mod tests {
             assert!(function.is_null());
             instance
         });
-        let own = || INSTANCES[0].load(SeqCst);
+        let own = || INSTANCES.load(SeqCst);
         assert_eq!(own(), 1);
         assert!(message().is_some_and(|why| why.warning && why.text.starts_with("the slower library")));
         // SAFETY: it is from `create`, and null is legal.

@@ -46,11 +46,19 @@ impl Library {
 static HERE: u8 = 0;
 
 /// The path of the library, or of the program, that contains this code: the real one, on which
-/// neither a link to the library nor the working directory has an effect. `dladdr` has the path
-/// that the host gave to `dlopen`, which may be relative to another working directory than that of
-/// today.
-#[cfg(target_os = "linux")]
+/// neither a link to the library nor the working directory has an effect.
 pub fn own_path() -> Option<PathBuf> {
+    #[cfg(target_os = "linux")]
+    if let Some(path) = mapped_from() {
+        return Some(path);
+    }
+    // The working directory may have changed since.
+    loaded_from().filter(|path| path.is_absolute())?.canonicalize().ok()
+}
+
+/// The path that the kernel has, if `/proc` can be read.
+#[cfg(target_os = "linux")]
+fn mapped_from() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt as _;
 
     let here = (&raw const HERE).addr();
@@ -67,14 +75,8 @@ pub fn own_path() -> Option<PathBuf> {
     })
 }
 
-/// The path that the system has kept since the library was loaded, without links. A relative one is
-/// of no use.
-#[cfg(not(target_os = "linux"))]
-pub fn own_path() -> Option<PathBuf> {
-    loaded_from().filter(|path| path.is_absolute())?.canonicalize().ok()
-}
-
-#[cfg(not(any(windows, target_os = "linux")))]
+/// The path that the host gave.
+#[cfg(unix)]
 fn loaded_from() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt as _;
 
@@ -119,7 +121,8 @@ fn loaded_from() -> Option<PathBuf> {
 mod tests {
     #[test]
     fn the_library_of_a_test_is_its_program() {
-        let program = std::env::current_exe().and_then(std::fs::canonicalize);
-        assert_eq!(super::own_path(), program.ok());
+        let program = std::env::current_exe().and_then(std::fs::canonicalize).ok();
+        let loaded = super::loaded_from().and_then(|path| path.canonicalize().ok());
+        assert_eq!([super::own_path(), loaded], [program.clone(), program]);
     }
 }

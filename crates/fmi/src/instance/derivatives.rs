@@ -41,7 +41,7 @@ impl<U: Unit> FmuInstance<U> {
     ///
     /// # Errors
     /// The unit has no derivatives, a variable is no real output or an element of an array, an
-    /// order is not 1, or the number of values is wrong.
+    /// order is not 1, the number of values is wrong, or a derivative is not finite.
     pub fn get_output_derivatives(
         &mut self,
         references: &[u32],
@@ -54,7 +54,7 @@ impl<U: Unit> FmuInstance<U> {
         for (&reference, &order) in references.iter().zip(orders) {
             let variable = find(&self.table, reference, Type::Real)?;
             check(variable, Causality::Output, order)?;
-            if self.table.array_of(reference).is_some() {
+            if self.table.array_of(variable.reference).is_some() {
                 return refused(format!(
                     "{} is an element of an array: these have no derivatives",
                     variable.name
@@ -78,7 +78,12 @@ impl<U: Unit> FmuInstance<U> {
                     .and_then(Value::number)
             };
             let [before, after] = moment.each_ref().map(|at| read(at).unwrap_or(f64::NAN));
-            value.write((after - before) / span);
+            let found: f64 = (after - before) / span;
+            if !found.is_finite() {
+                let name = format!("the derivative of {}", variable.name);
+                return refused(not_finite(&name, found));
+            }
+            value.write(found);
         }
         Ok(())
     }

@@ -8,6 +8,7 @@ use super::snapshot::Snapshot;
 use super::{CallError, Outcome, refused};
 use crate::log::Category;
 use crate::state::{Call, State};
+use crate::table::{Value, not_finite};
 use crate::unit::{Experiment, Unit};
 use pushbelt_archive::{Archive, Mismatch};
 
@@ -136,7 +137,7 @@ impl<U: Unit> FmuInstance<U> {
     ///
     /// # Errors
     /// The instance is in intermediate update mode; the bytes are incomplete, damaged, or of
-    /// another FMU; or a value in them is out of range. Nothing has changed.
+    /// another FMU; a value in them is out of range, or a reading not finite. Nothing has changed.
     pub fn deserialize(&mut self, sealed: &[u8]) -> Result<Snapshot<U>, CallError> {
         self.allow(Call::Always)?;
         let content = bytes::open(self.guid(), sealed).map_err(CallError::Refused)?;
@@ -156,6 +157,18 @@ impl<U: Unit> FmuInstance<U> {
                  communication point's",
                 unit.time()
             ));
+        }
+        if let Some(unit) = &mut snapshot.unit {
+            let readings = unit.readings(true);
+            for variable in self.table.variables() {
+                match variable.value(&snapshot.settings, Some(readings)) {
+                    Some(Value::Real(value)) if !value.is_finite() => {
+                        let why = not_finite(&variable.name, value);
+                        return refused(format!("no run has the stored state: {why}"));
+                    }
+                    _ => (),
+                }
+            }
         }
         Ok(snapshot)
     }

@@ -8,7 +8,7 @@ use super::calls::{FmuInstance, Version};
 use super::snapshot::Snapshot;
 use super::{CallError, Outcome, refused};
 use crate::state::{Call, State};
-use crate::table::{Causality, Kind, Table, Value, Variable};
+use crate::table::{Causality, Kind, REALS, Table, Value, Variable};
 use crate::unit::Unit;
 
 /// Value reference of the time in FMI 3.0, which no variable of a table has.
@@ -85,8 +85,9 @@ impl<U: Unit> FmuInstance<U> {
         let time = (of == Type::Real && version == Version::Three).then(|| Value::Real(self.time()));
         let (mut calculated, mut elements) = (false, false);
         for &reference in references.iter().filter(|one| **one != TIME || time.is_none()) {
-            calculated |= !find(&self.table, reference, of)?.causality.is_setting();
-            elements |= self.table.array_of(reference).is_some();
+            let variable = find(&self.table, reference, of)?;
+            calculated |= !variable.causality.is_setting();
+            elements |= self.table.array_of(variable.reference).is_some();
         }
         if calculated {
             if self.now.state == State::Initialisation {
@@ -216,6 +217,7 @@ pub(super) fn find<S, R>(
             Some(retired) => refused(retired.to_string()),
             None => refused(format!("no variable has the value reference {reference}")),
         },
+        Some(variable) if of == Type::Real && reference >= REALS => Ok(variable),
         Some(variable) if !of.includes(&variable.kind) => refused(format!(
             "{} (value reference {reference}) has another type",
             variable.name

@@ -2,6 +2,7 @@
 
 use pushbelt_fmi::Version::{Three, Two};
 use pushbelt_fmi::log::Status::{Discard, Error, Ok};
+use pushbelt_fmi::table::{REALS, SCALARS};
 
 use crate::importer::{BOTH, TIME, experiment};
 use crate::run::running;
@@ -20,6 +21,7 @@ fn every_type_is_written_and_read_back() {
         let numbers = [FLOORS, SHAPE, LOCKED, FULL].map(|of| importer.number(of));
         assert_eq!(numbers, [3, 2, 1, 0].map(Result::Ok));
         importer.assert_reals(&[], &[]);
+        importer.assert_reals(&[SCALARS + DEPTH + 2, REALS + FULL, START], &[7.0, 0.0, 7.0]);
         if version == Two {
             importer.assert_reals(&[DEPTH + 2, DEPTH], &[7.0, 0.0]);
         }
@@ -83,6 +85,10 @@ fn a_bad_reference_is_an_error_that_names_it() {
                 "time (value reference 0) is the independent variable: it can't be set",
             ),
             (OLD, "old (value reference 98) was removed: use start"),
+            (SCALARS + DEPTH, "depth[1] is calculated"),
+            (SCALARS + LEVEL, "no variable has the value reference 1000005"),
+            (REALS + FULL, "full is calculated"),
+            (REALS + LOCKED, "no variable has the value reference 2000019"),
             (FLOORS, "floors (value reference 7) has another type"),
         ] {
             importer.assert(importer.set_reals(&[INFLOW, reference], &[3.0, 1.0]), Error, why);

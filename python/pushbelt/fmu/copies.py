@@ -1,0 +1,85 @@
+"""Copies of an FMU for importers that are stricter than the standard: outputs that are all Real, and scalars instead of arrays of FMI 3.0.
+
+Only the model description changes, so the library, its values and its GUID are those of the original. The library answers for the value
+references that the copies add (`crates/fmi/src/table.rs`).
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Callable
+from copy import deepcopy
+from pathlib import Path
+
+from lxml import etree
+
+from ..whole_file import copy_archive
+from .start_values import DESCRIPTION
+
+SCALARS = 1_000_000  # Added to the value reference of an element of an array: the element as a scalar of FMI 3.0
+REALS = 2_000_000  # Added to the value reference of a truth value: 1 or 0 as a real number
+REAL = "Real"  # End of the name of a truth value as a real number
+REAL_TYPES = ("Real", "Float64")  # of FMI 2.0 and 3.0
+
+
+def with_real_outputs(description: etree._Element) -> None:
+    """Makes outputs that are not real local variables. Each truth value among them, such as `macroSlip`, gets a real output of its own."""
+    variables, structure = description.find("ModelVariables"), description.find("ModelStructure")
+    for number, variable in enumerate(list(variables), start=1):
+        kind = _kind(variable)
+        if variable.get("causality") != "output" or kind.tag in REAL_TYPES:
+            continue
+        # FMI 2.0 counts variables, FMI 3.0 has their value references.
+        key, own = ("valueReference", variable.get("valueReference")) if kind is variable else ("index", str(number))
+        unknowns = [one for one in structure.iter("Unknown", "Output", "InitialUnknown") if one.get(key) == own]
+        if kind.tag == "Boolean":
+            variables.append(real := _as_real(variable))
+            for one in unknowns:
+                one.set(key, real.get(key, str(len(variables))))
+                # The lists are in the order of the variables.
+                if (last := one.getparent().findall(one.tag)[-1]) is not one:
+                    last.addnext(one)
+        else:
+            for one in unknowns:
+                one.getparent().remove(one)
+        variable.set("causality", "local")
+
+
+def _kind(variable: etree._Element) -> etree._Element:
+    """The element whose tag is the type of a variable: in FMI 2.0 one within that of the variable."""
+    return next(child for child in variable if child.tag != "Annotations") if variable.tag == "ScalarVariable" else variable
+
+
+def _as_real(truth: etree._Element) -> etree._Element:
+    """The real output for a truth value."""
+    real = deepcopy(truth)
+    real.set("name", truth.get("name") + REAL)
+    real.set("valueReference", str(int(truth.get("valueReference")) + REALS))
+    real.set("description", f"1 if {truth.get('name')} is true, otherwise 0")
+    _kind(real).tag = "Real" if real.tag == "ScalarVariable" else "Float64"
+    return real
+
+
+def with_scalars(description: etree._Element) -> None:
+    """Replaces each array of FMI 3.0 by its elements, whose names are those of FMI 2.0."""
+    for array in list(description.find("ModelVariables").iter("Float64")):
+        dimension = array.find("Dimension")
+        if dimension is None:
+            continue
+        array.remove(dimension)
+        for number in reversed(range(int(dimension.get("start")))):
+            element = deepcopy(array)
+            element.set("name", f"{array.get('name')}[{number + 1}]")
+            element.set("valueReference", str(int(array.get("valueReference")) + SCALARS + number))
+            element.set("description", f"Element {number + 1} of: {array.get('description')}")
+            array.addnext(element)
+        array.getparent().remove(array)
+
+
+def write_copy(fmu: Path, copy: Path, *changes: Callable[[etree._Element], None]) -> None:
+    """Writes a copy with a changed description, completely or not at all. `copy` may be the FMU itself."""
+    with zipfile.ZipFile(fmu) as source:
+        description = etree.fromstring(source.read(DESCRIPTION))
+    for change in changes:
+        change(description)
+    copy_archive(fmu, copy, {DESCRIPTION: lambda _: etree.tostring(description, xml_declaration=True, encoding="UTF-8")}, {})
