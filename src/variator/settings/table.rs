@@ -297,7 +297,7 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("belt.suction", 1087, Parameter, Real("N", 19.0, [1e-3, 1e3]), belt.suction, "Largest suction between two elements, at which the oil cavitates: area of their faces times the pressure of the atmosphere"),
         row!("ring.massPerLength", 1041, Parameter, Real("kg/m", 0.24, [1e-3, 1e3]), ring.mass_per_length, "Mass of the ring sets per length"),
         row!("ring.axialStiffness", 1042, Parameter, Real("N", 5.57e6, [1e3, 1e13]), ring.axial_stiffness, "Axial stiffness EA of the ring sets"),
-        row!("ring.bendingStiffness", 1043, Parameter, Real("N.m2", 0.0159, [1e-6, 1e6]), ring.bending_stiffness, "Bending stiffness EI of the ring sets in the plane of the drive"),
+        row!("ring.bendingStiffness", 1043, Parameter, Real("N.m2", 0.0159, [1e-6, 10.0]), ring.bending_stiffness, "Bending stiffness EI of the ring sets in the plane of the drive. A stiffer beam would lift from the pulleys"),
         row!("ring.lateralBendingStiffness", 1046, Parameter, Real("N.m2", 37.6, [1e-6, 1e9]), ring.lateral_bending_stiffness, "Bending stiffness EI of the ring sets out of the plane of the drive, with ring.spatial"),
         row!("ring.spatial", 1047, Parameter, Switch(false), spatial, "True: the ring also deflects out of the plane of the drive, as between misaligned pulleys. Requires ring.model = ALE"),
         row!("ring.damping", 1044, Parameter, Real("s", 2.0e-5, [0.0, 1e-2]), ring.damping, "Kelvin-Voigt damping time of the axial strain"),
