@@ -21,8 +21,7 @@ const SLIPPING_RIM: f64 = 0.02;
 const ONE_WAY: f64 = 0.99;
 /// Fraction of that sliding speed from which a pulley that slipped through still does.
 const STILL_SLIPPING: f64 = 0.5;
-/// Change of the push force along the idle arc, as a fraction of the difference between the
-/// strands.
+/// Change of the push force along the idle arc over the difference between the strands.
 const IDLE_CHANGE: f64 = 0.1;
 /// Difference between the push forces of the strands below which the whole wrap is idle, N.
 const NO_DIFFERENCE: f64 = 20.0;
