@@ -235,8 +235,8 @@ impl System for VariatorSystem {
         let of_ring = material
             .as_ref()
             .map_or(velocity, |of| velocity.min(of.speed_error * slip));
-        for i in layout.node_unknowns() {
-            out[i] = of_ring * if layout.is_length(i) { 1.0 } else { PER_METRE };
+        for of in layout.node_unknowns() {
+            out[of.index] = of_ring * if of.is_length { 1.0 } else { PER_METRE };
         }
         out[layout.free()].fill(1.0);
         if !layout.has_tension() {

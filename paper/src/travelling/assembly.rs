@@ -95,9 +95,9 @@ impl<E: LagrangianElement> TravellingCells<E> {
             let contents = face.cells.map(|cell| belt.cells_at[cell].content);
             out.add(contents[1], contents[1], alpha);
             for (side, cell) in face.cells.into_iter().enumerate() {
-                let of = &self.derivatives[cell];
-                let derivatives = face.derivatives(side, &of.transport);
-                for (&column, derivative) in of.at.iter().zip(derivatives).take(of.count) {
+                let (of, by) = (&self.derivatives[cell], face.by[side]);
+                for (k, &column) in of.at[..of.count].iter().enumerate() {
+                    let derivative = by.flow * of.transport.flow[k] + by.density * of.transport.density[k];
                     for (row, derivative) in contents.into_iter().zip([derivative, -derivative]) {
                         if let Some(index) = out.index(row, column) {
                             out.add_at(index, derivative);

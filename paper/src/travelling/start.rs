@@ -14,7 +14,7 @@ use crate::ring::mesh::{RingMesh, gauss};
 use crate::ring::model::{Coordinates, NODAL, RingFormulation};
 use crate::ring::particle::Particle;
 use crate::solver::State;
-use pushbelt::variator::ring_models::Belt;
+use pushbelt::variator::ring_models::{Belt, NodeUnknown};
 use std::f64::consts::{PI, TAU};
 
 /// Half the time of the difference quotient of the unknowns, s, in which the ring moves by a
@@ -52,14 +52,14 @@ pub(crate) fn state_on_ale<E: LagrangianElement>(
         q
     };
     let [before, now, after] = [-MOMENT, 0.0, MOMENT].map(placed);
-    for (k, i) in layout.node_unknowns().enumerate() {
+    for (k, NodeUnknown { index, is_length }) in layout.node_unknowns().enumerate() {
         let mut change = after[k] - before[k];
-        if !layout.is_length(i) {
+        if !is_length {
             // Difference of angles, within half a turn.
             change = (change + PI).rem_euclid(TAU) - PI;
         }
-        out.q[i] = now[k];
-        out.y[i] = change / (2.0 * MOMENT);
+        out.q[index] = now[k];
+        out.y[index] = change / (2.0 * MOMENT);
     }
     out
 }

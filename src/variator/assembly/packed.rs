@@ -119,10 +119,11 @@ impl<K: RingKind<D>, const D: usize> PackedCells<K, D> {
             out.add(row, row, alpha);
             for ((side, of), entries) in [(1, cell), (0, before)].into_iter().zip(&self.flux_entries[cell]) {
                 let place = &belt.mesh.cells[of];
-                let quantities = self.derivatives[place.group].transport.as_array();
-                let [flow, density] = quantities.map(|of| of.map(|by| by.lane(place.lane)));
-                let derivatives = face.derivatives(side, &Transport { flow, density });
-                for (entries, derivative) in entries.iter().zip(derivatives).take(K::DEGREES.sheave) {
+                let Transport { flow, density } = &self.derivatives[place.group].transport;
+                let quantities = flow.iter().zip(density).take(K::DEGREES.sheave);
+                for (entries, (flow, density)) in entries.iter().zip(quantities) {
+                    let [flow, density] = [flow, density].map(|by| by.lane(place.lane));
+                    let derivative = face.by[side].flow * flow + face.by[side].density * density;
                     for (entry, value) in entries.iter().zip([derivative, -derivative]) {
                         if let Some(entry) = entry {
                             out.add_at(*entry, value);

@@ -112,16 +112,5 @@ pub struct Face {
     /// The two cells.
     pub cells: [usize; 2],
     /// Derivatives of the flux with respect to flow and density of both cells.
-    by: [Transport<f64>; 2],
-}
-
-impl Face {
-    /// Derivatives of the flux in the directions of the cell on a side, from those of its
-    /// quantities.
-    #[inline(always)]
-    #[must_use]
-    pub fn derivatives<const N: usize>(&self, side: usize, of: &Transport<[f64; N]>) -> [f64; N] {
-        let Transport { flow, density } = self.by[side];
-        std::array::from_fn(|k| flow * of.flow[k] + density * of.density[k])
-    }
+    pub by: [Transport<f64>; 2],
 }

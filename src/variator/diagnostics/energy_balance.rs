@@ -94,8 +94,8 @@ impl Evolution for Problem<'_> {
             let content = y_error[cell.content] / (5.0e-3 * tolerance);
             local += speed * speed + content * content;
         }
-        for i in layout.node_unknowns().filter(|i| layout.is_length(*i)) {
-            let x = q_error[i] / position_scale;
+        for of in layout.node_unknowns().filter(|of| of.is_length) {
+            let x = q_error[of.index] / position_scale;
             local += x * x;
         }
         for centre in layout.centres() {

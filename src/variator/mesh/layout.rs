@@ -20,6 +20,15 @@ pub const CONDITIONS: usize = 2;
 /// Index of the turn among the coordinates of displaced centres; the others are lengths.
 pub const TURN: usize = 1;
 
+/// An unknown of a node: a length, or an angle or slope.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeUnknown {
+    /// Its index.
+    pub index: usize,
+    /// Whether it is a length.
+    pub is_length: bool,
+}
+
 /// Indices of the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout {
@@ -120,16 +129,14 @@ impl Layout {
         self.first_node + node % self.nodes.max(1) * self.next_node + k
     }
 
-    /// Indices of all unknowns of the nodes.
-    pub fn node_unknowns(&self) -> impl Iterator<Item = usize> + use<> {
+    /// All unknowns of the nodes.
+    pub fn node_unknowns(&self) -> impl Iterator<Item = NodeUnknown> + use<> {
         let layout = *self;
-        (0..layout.nodes).flat_map(move |node| (0..layout.per_node).map(move |k| layout.node(node, k)))
-    }
-
-    /// Whether an unknown of a node is a length; else it is an angle or a slope.
-    #[must_use]
-    pub fn is_length(&self, unknown: usize) -> bool {
-        self.lengths >> ((unknown - self.first_node) % self.next_node) & 1 == 1
+        let each = (0..layout.nodes).flat_map(move |node| (0..layout.per_node).map(move |k| (node, k)));
+        each.map(move |(node, k)| NodeUnknown {
+            index: layout.node(node, k),
+            is_length: layout.lengths >> k & 1 == 1,
+        })
     }
 
     /// Index of the speed V of the elements at the left face of `cell`.
@@ -219,7 +226,7 @@ impl Layout {
     #[must_use]
     pub fn has_position(&self) -> Vec<bool> {
         let mut has_position = vec![false; self.len()];
-        let own = self.node_unknowns().chain(self.centres());
+        let own = self.node_unknowns().map(|of| of.index).chain(self.centres());
         let shared = [self.drift(), self.theta()].into_iter();
         for i in own.chain(shared).chain(Pulley::BOTH.map(|pulley| self.sheave(pulley))) {
             has_position[i] = true;

@@ -31,7 +31,7 @@ pub use crate::variator::law::arguments::{
     SheavePlane, StateComponent,
 };
 pub use crate::variator::mesh::belt_mesh::{BeltMesh, CELL_POINTS, Cell, CellDivision};
-pub use crate::variator::mesh::layout::Layout;
+pub use crate::variator::mesh::layout::{Layout, NodeUnknown};
 pub use crate::variator::rings::deflecting::{Ale, Deflecting, nodes};
 pub use crate::variator::rings::guided::{Ale0, Guided};
 pub use crate::variator::rings::{

@@ -100,7 +100,7 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     let mut coarse = vec![false; size.len()];
     if system.belt.material_mesh.is_some() {
         let layout = &system.belt.layout;
-        layout.node_unknowns().for_each(|i| coarse[i] = layout.is_length(i));
+        layout.node_unknowns().for_each(|of| coarse[of.index] = of.is_length);
     }
     let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
     let name = system.belt.ring.name();
