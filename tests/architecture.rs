@@ -115,28 +115,18 @@ fn a_forbidden_import_is_found_in_every_spelling() {
         let files = BTreeMap::from([(module.to_string(), text.to_string())]);
         problems(&list, &files).len()
     };
-    for (module, text, expected) in [
+    #[rustfmt::skip]
+    let cases = [
         ("ring/beam", "use crate::variator::run::Variator;", 1),
         ("ring/beam", "fn f() { crate::variator::law::slip() }", 1),
         ("variator/law/flanks", "use super::super::run::Variator;", 1),
         ("variator/law", "use super::run::{Variator, Event};", 1),
         ("attic/box", "", 1),
-        (
-            "variator/run/step",
-            "use crate::variator::law::Slip; use super::Variator;",
-            0,
-        ),
-        (
-            "variator/law/flanks",
-            "// crate::variator::run\nuse super::place::Place;",
-            0,
-        ),
-        (
-            "ring/beam",
-            "#[cfg(test)]\nmod tests { use crate::variator::run::Variator; }",
-            0,
-        ),
-    ] {
+        ("variator/run/step", "use crate::variator::law::Slip; use super::Variator;", 0),
+        ("variator/law/flanks", "// crate::variator::run\nuse super::place::Place;", 0),
+        ("ring/beam", "#[cfg(test)]\nmod tests { use crate::variator::run::Variator; }", 0),
+    ];
+    for (module, text, expected) in cases {
         assert_eq!(problems_of(module, text), expected, "{module}: {text}");
     }
 }

@@ -96,33 +96,22 @@ fn found(table: &Table<Settings, Readings>, settings: &Settings) -> BTreeMap<Str
 fn the_declared_dependencies_are_those_that_are_found() {
     use Value::{Boolean as B, Integer as I, Real as R};
     let table = VariatorUnit::table();
+    #[rustfmt::skip]
     let starts: &[&[(&str, Value)]] = &[
         &[],
         &[("initial.steady", B(false))],
         &[("initial.equilibrium", B(true))],
         &[("initial.primarySpeed", R(0.0))],
-        &[
-            ("initial.ratio", R(1.8)),
-            ("primary.torque", R(-20.0)),
-            ("secondary.torque", R(30.0)),
-        ],
+        &[("initial.ratio", R(1.8)), ("primary.torque", R(-20.0)), ("secondary.torque", R(30.0))],
         &[("primary.drive", I(2))],
         &[("primary.drive", I(2)), ("secondary.drive", I(2))],
         &[("initial.steady", B(false)), ("secondary.drive", I(2))],
         &[("primary.axial", I(2))],
         &[("solver.mode", I(2))],
         &[("belt.kind", I(2))],
-        &[
-            ("initial.primarySpeed", R(0.0)),
-            ("secondary.axial", I(2)),
-            ("primary.cylinder.area", R(0.01)),
-            ("primary.cylinder.seal", R(100.0)),
-        ],
-        &[
-            ("initial.primarySpeed", R(0.0)),
-            ("primary.axial", I(2)),
-            ("secondary.cylinder.area", R(0.01)),
-        ],
+        &[("initial.primarySpeed", R(0.0)), ("secondary.axial", I(2)), ("primary.cylinder.area", R(0.01)),
+          ("primary.cylinder.seal", R(100.0))],
+        &[("initial.primarySpeed", R(0.0)), ("primary.axial", I(2)), ("secondary.cylinder.area", R(0.01))],
     ];
     let mut seen = BTreeMap::<String, BTreeSet<String>>::new();
     for start in starts {

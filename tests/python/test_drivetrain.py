@@ -132,12 +132,13 @@ def test_what_no_car_drives_is_named(words: str, named: str, fmu: Path, tmp_path
     assert named in said and said.count("\n") == 1 and not list(tmp_path.iterdir())
 
 
-def test_engine_keeps_its_limits() -> None:
+def test_engine_keeps_its_limits_and_the_road_its_load() -> None:
     speeds = np.linspace(1.0, 700.0, 400)
     torques = np.array([CAR.full_load(speed) for speed in speeds])
     assert torques.max() == CAR.max_torque
     assert (torques * speeds).max() <= CAR.max_power * (1.0 + 1e-12)
     assert CAR.full_load(CAR.max_speed) < 0.0
+    assert CAR.road_load(-30.0) == pytest.approx(-0.6 * CAR.drag_area * 900.0 - 9.81 * CAR.mass * CAR.rolling_resistance)
 
 
 def test_brake_holds_without_ringing() -> None:
@@ -171,6 +172,10 @@ def test_driver_follows_a_ramp() -> None:
         errors.append(speed - cycle.at(time))
     assert np.abs(errors).max() < 0.5 and abs(errors[-1]) < 0.02
     assert driver.demand(0.0, 0.0, STEP) == (-Driver.HOLD, 0.0)
+    # A car that is blocked does not wind it up.
+    for _ in range(500):
+        driver.demand(30.0, 0.0, STEP)
+    assert driver.demand(30.0, 20.0, STEP)[0] == pytest.approx(CAR.road_load(20.0))
 
 
 def test_pressure_is_a_first_order_lag_within_limits() -> None:
@@ -257,6 +262,8 @@ def test_slip_controller_does_not_wind_up() -> None:
         low = control.force(changed(slip=0.0), STEP)
     assert low == pytest.approx(feed_forward)  # beyond 0.9 the map has no steady state
     assert max(control.force(changed(slip=0.03), STEP) for _ in range(30)) > feed_forward
+    high = max(control.force(changed(slip=0.02), STEP) for _ in range(3000))
+    assert control.force(changed(slip=0.0), STEP) < high
     control = SlipControl(FRICTION, MAP, 0.2)
     assert len({control.force(changed(slip=0.02), STEP, overruled=True) for _ in range(300)}) == 1
     assert len({control.force(changed(slip=0.02), STEP) for _ in range(3)}) == 3
@@ -282,6 +289,12 @@ def test_ratio_control_shifts_both_ways() -> None:
     still, up, down = (RatioControl(FRICTION, MAP, LIMITS).forces(to, MEASURED, 8000.0, STEP) for to in (1.0, 0.8, 1.5))
     assert up[0] > still[0] and up[1] == still[1]
     assert still == pytest.approx((MAP.thrust_ratio(1.0, CARRIED / 8000.0) * 8000.0, 8000.0))
+    # At a limit of either force it does not wind up.
+    for limits, target in (((2e3, 12e3), 0.5), ((2e3, 8e3), 1.9)):
+        wound, fresh = (RatioControl(FRICTION, MAP, limits) for _ in range(2))
+        for _ in range(300):
+            wound.forces(target, MEASURED, 8000.0, STEP)
+        assert wound.forces(1.0, MEASURED, 8000.0, STEP) == fresh.forces(1.0, MEASURED, 8000.0, STEP)
     # The primary force must carry the torque, so the secondary force rises.
     assert down[0] == pytest.approx(FRICTION.clamping_force(MEASURED, 1.1))
     assert down[1] > still[1]

@@ -159,7 +159,7 @@ def test_map_variator_has_the_equations_of_the_fmu(
     maps_archive: Archive, ratio: float, speed: float, torque: float, force: float, thrust: float
 ) -> None:
     """Shifts, a launch, overrun and macro-slip, in steps of 1 ms; the error is that of implicit Euler steps."""
-    inertias = {"primary.inertia": 0.15, "secondary.inertia": 8.0}
+    inertias = {"primary.inertia": 0.15, "secondary.inertia": 8.0, "primary.drag.constant": 2.0, "secondary.drag.viscous": 0.02}
     start = {"initial.ratio": ratio, "initial.primarySpeed": speed, "initial.steady": False, "inputs.ramp": 0.0}
     loads = (torque, -torque * ratio, thrust * force, force)
     own = MapVariator(parameters=inertias, count=3)
@@ -174,6 +174,13 @@ def test_map_variator_has_the_equations_of_the_fmu(
     assert own.secondary_speed[2] == pytest.approx(expected["secondary.speed"], rel=1e-3, abs=1e-4)
     assert own.ratio[2] == pytest.approx(expected["ratio.geometric"], rel=1e-3)
     assert np.ptp(own.primary_speed) == 0.0
+
+
+def test_drag_brings_a_light_shaft_to_rest_in_one_long_step() -> None:
+    own = MapVariator(parameters={"primary.inertia": 0.01, "primary.drag.constant": 0.5})
+    own.start(1.0, 0.5)
+    own.step(0.1, 0.0, 0.0, 0.0, 0.0)
+    assert 0.0 < own.primary_speed[0] < 0.3
 
 
 def test_map_variator_refuses_what_it_does_not_know(tmp_path: Path, map_fmu: Path) -> None:

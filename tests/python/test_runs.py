@@ -44,6 +44,12 @@ def test_two_rows_of_the_same_time_are_a_step(fmu: Path, belt: Variator) -> None
     for times in ([0.06, 0.06, 0.06, 0.08], [0.06] * 4):
         with pytest.raises(pushbelt.ArgumentError):
             belt.simulate(pd.DataFrame({TORQUE: [1.0, 2.0, 3.0, 4.0]}, index=times))
+    # A tunable parameter has in each step the value of the middle.
+    with Variator("bench168", COARSE, fmu=fmu) as other:
+        other.restore(belt.snapshot())
+        tuned = belt.simulate(pd.DataFrame({"friction.pulley": [0.09, 0.07]}, index=[0.06, 0.07]), step=5e-3)
+        found = [other.step(5e-3, {"friction.pulley": middle})["slip"] for middle in (0.085, 0.075)]
+    assert found == pytest.approx(tuned["slip"].tolist()[1:], rel=1e-9)
 
 
 def test_a_constant_table_takes_no_more_work_than_steps(fmu: Path, belt: Variator) -> None:
@@ -86,8 +92,12 @@ def test_a_recording_has_its_columns_and_interval(fmu: Path) -> None:
         assert belt.outputs["time"] == pytest.approx([0.0, 4e-3, 8e-3, 10e-3])
         belt.step(2e-3)
         assert belt.outputs["time"] == pytest.approx([0.0, 4e-3, 8e-3, 12e-3])
+        state = belt.snapshot()
         run = belt.simulate(pd.DataFrame({TORQUE: [50.0, 50.0]}, index=[0.012, 0.02]), step=1e-3)
         assert list(run) == ["slip", TORQUE] and run.index.to_numpy() == pytest.approx([0.012, 0.016, 0.02])
+        belt.restore(state)
+        belt.step(1e-3)
+        assert belt.outputs["time"] == pytest.approx([0.0, 4e-3, 8e-3, 12e-3, 13e-3])
     with pytest.raises(pushbelt.UnknownNameError, match="efficiency"):
         Variator("bench168", COARSE, fmu=fmu, record=["efficency"])
     for wrong in ({"interval": 0.0}, {"interval": math.nan}, {"columns": "slip"}, {"columns": 0.01}):
@@ -114,6 +124,10 @@ def test_a_reset_is_a_new_variator(belt: Variator) -> None:
     with pytest.raises(pushbelt.StartValueError):
         belt.reset({"initial.ratio": -1.0})
     assert belt.step(2e-3)["time"] == pytest.approx(8e-3)
+    for _ in range(2):
+        belt.reset({TORQUE: 400.0, "secondary.torque": -400.0})
+        with pytest.warns(pushbelt.VariatorWarning, match="no steady state"):
+            belt.start()
 
 
 def test_a_restored_state_continues_bit_for_bit(fmu: Path, belt: Variator) -> None:

@@ -184,7 +184,7 @@ def test_habits_of_rigs_and_spreadsheets(habit: str, tmp_path: Path) -> None:
         ("KN", "force", 1e3), ("[kN]", "force", 1e3), ("(kN)", "force", 1e3), ("Prozent", "ratio", 0.01), ("pct", "ratio", 0.01),
         ("lbf ft", "torque", 1.3558179483314), ("lbf", "force", POUND), ("klbf", "force", 1e3 * POUND),
         ("N", "force", 1.0), ("bar", "pressure", 1e5), ("MPa", "pressure", 1e6), ("N/mm²", "pressure", 1e6), ("psi", "pressure", 6894.757293168),
-        ("bara", "pressure", 1e5 - 101325.0), ("kg/cm²", "pressure", 98066.5), ("N・m", "torque", 1.0),
+        ("bara", "pressure", 1e5 - 101325.0), ("psia", "pressure", 6894.757293168 - 101325.0), ("kg/cm²", "pressure", 98066.5), ("N・m", "torque", 1.0),
         ("cm²", "area", 1e-4), ("l/min", "flow", 1.0 / 6e4),
         ("mPA", "pressure", None), ("1/s", "speed", None), ("kNm", "force", None), ("", "force", None),
     ],

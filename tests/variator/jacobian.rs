@@ -12,11 +12,11 @@ use pushbelt_support::disturbed::{
     product, small,
 };
 
-const KINDS: [BeltKind; 2] = [BeltKind::PushBelt, BeltKind::PullChain];
+pub const KINDS: [BeltKind; 2] = [BeltKind::PushBelt, BeltKind::PullChain];
 
 /// Small variators of a kind: `ALE`, `ALE` in space, `ALE0` between sheaves of which one hardly
 /// tilts.
-fn variators(kind: BeltKind) -> [Parameters; 3] {
+pub fn variators(kind: BeltKind) -> [Parameters; 3] {
     let [ale, mut space, mut ale0] =
         [RingModel::Ale, RingModel::Ale, RingModel::Ale0].map(|model| Parameters { kind, ..small(model) });
     space.spatial = true;

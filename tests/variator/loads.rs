@@ -2,8 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use pushbelt::pulley::Pulley;
+use pushbelt::solver::System;
+use pushbelt::variator::pulleys::loads::Loads;
 use pushbelt::variator::run::Message;
-use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
+use pushbelt::variator::settings::{Drive, Inputs, Parameters, RingModel};
 use pushbelt_support::checks::{assert_close, assert_pinned};
 use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
 use pushbelt_support::noise;
@@ -87,6 +90,30 @@ fn irregular_steps_of_ale() {
 #[test]
 fn irregular_steps_of_ale0() {
     irregular_steps(RingModel::Ale0, 6272, 4194);
+}
+
+/// Rates of sheaves and shafts jump with the loads, so that their equations of motion still hold.
+#[test]
+fn rates_jump_with_the_loads() {
+    let mut parameters = ramping(0.0);
+    (parameters.secondary.drive, parameters.secondary.sheave_mass) = (Drive::Speed, 9.0);
+    let before = inputs((50.0, 13e3), (0.0, 10e3));
+    let mut after = inputs((80.0, 12e3), (0.0, 14e3));
+    after.secondary.speed_setpoint += 2.0;
+    let start = started(parameters, &before);
+    let (mut system, mut state) = (start.system().clone(), start.state().clone());
+    let mut jumped = |loads: &Inputs| {
+        system.change_loads(Loads::held(loads), 0.0, &mut state.y_dot);
+        let mut rows = vec![0.0; state.y.len()];
+        system.residual(0.0, state.view(), &mut rows);
+        (rows, state.y_dot.clone())
+    };
+    let ((rows, rates), (jumped_rows, jumped_rates)) = (jumped(&before), jumped(&after));
+    let layout = start.system().belt.layout;
+    for row in Pulley::BOTH.map(|j| [layout.sheave(j), layout.shaft_speed(j)]).concat() {
+        assert!((jumped_rates[row] - rates[row]).abs() > 100.0, "row {row}");
+        assert!((jumped_rows[row] - rows[row]).abs() < 1e-9 * 13e3, "row {row}");
+    }
 }
 
 /// The coarse variator with a ramp of the inputs.

@@ -4,12 +4,18 @@
 use std::f64::consts::TAU;
 
 use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::solver::System;
+use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
 use pushbelt::variator::settings::{Drive, Losses, Parameters, RingModel};
+use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::checks::assert_close;
+use pushbelt_support::disturbed::{TIME, disturbed};
 use pushbelt_support::load_cases::clamping;
 use pushbelt_support::run::Run;
 use pushbelt_support::steady::{Steady, loaded, transmitting};
 use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
+
+use crate::jacobian::{KINDS, variators};
 
 /// 1 rpm, rad/s.
 const RPM: f64 = TAU / 60.0;
@@ -192,6 +198,65 @@ fn each_loss_is_zero_without_its_parameters() {
     assert_eq!(alone.efficiency, alone.belt_efficiency);
     assert!(usual.losses.layers > 0.0 && usual.losses.shafts > 0.0);
     assert!(usual.efficiency < usual.belt_efficiency && usual.belt_efficiency < alone.efficiency);
+}
+
+/// What a parameter adds to the residual, times the motion, is what it adds to the losses and to the
+/// change of the stored energy, in any state: each is the power of its own force.
+#[test]
+fn losses_and_energies_are_the_power_of_their_forces() {
+    let changes: [(&str, fn(&mut Parameters)); 17] = [
+        ("damping of the ring", |p| p.ring.damping *= 9.0),
+        ("friction of flanks", |p| p.friction.pulley *= 0.5),
+        ("friction of the ring", |p| p.friction.ring *= 3.0),
+        ("damping of flanks", |p| p.contact.damping *= 3.0),
+        ("damping of the stack", |p| p.belt.damping *= 3.0),
+        ("film", |p| p.belt.film_damping *= 3.0),
+        ("squeezed oil", |p| p.belt.squeeze_damping *= 3.0),
+        ("layers", |p| p.layers.friction *= 3.0),
+        ("joints", |p| p.joints.radius *= 3.0),
+        ("turning elements", |p| p.belt.element_inertia *= 3.0),
+        ("sheaves", |p| p.primary.sheave_damping *= 3.0),
+        ("seals", |p| p.secondary.cylinder.seal = 200.0),
+        ("bearings", |p| p.secondary.drag.bearing_friction *= 3.0),
+        ("force of a spring", |p| p.primary.cylinder.spring_force = 300.0),
+        ("spring", |p| p.secondary.cylinder.spring_stiffness = 1e4),
+        ("bending", |p| p.ring.bending_stiffness *= 1.1),
+        ("ring", |p| p.ring.axial_stiffness *= 1.1),
+    ];
+    for parameters in KINDS.into_iter().flat_map(|kind| variators(kind).into_iter().take(2)) {
+        let (given, state) = disturbed(&parameters, 200.0);
+        let mut motion = state.y.clone();
+        for (pulley, axis) in Pulley::BOTH.into_iter().flat_map(|pulley| [(pulley, 0), (pulley, 1)]) {
+            // Two sheaves tilt.
+            let tilt = given.belt.layout.tilt(pulley, axis);
+            motion[tilt] = 2.0 * state.y_dot[tilt];
+        }
+        let powers = |parameters: &Parameters| {
+            let (mut system, mut rows) = (VariatorSystem::new(parameters), motion.clone());
+            system.loads = given.loads;
+            system.residual(TIME, state.view(), &mut rows);
+            let [before, now, after] = [-1e-7, 0.0, 1e-7].map(|time| {
+                let mut moved = state.clone();
+                for i in 0..motion.len() {
+                    moved.q[i] += time * state.y[i];
+                    moved.y[i] += time * state.y_dot[i];
+                }
+                let (belt, pulleys) = (BeltDiagnostics::new(&system, moved.view()), system.pulleys());
+                let lost = belt.sums.losses.total() + pulleys.losses(moved.view());
+                [lost, belt.belt_energy(&system.belt) + pulleys.energy(moved.view())]
+            });
+            (rows, now[0] + (after[1] - before[1]) / 2e-7)
+        };
+        let (rows, lost) = powers(&parameters);
+        for (name, change) in changes {
+            let mut changed = parameters.clone();
+            change(&mut changed);
+            let (more, more_lost) = powers(&changed);
+            let power: f64 = (0..rows.len()).map(|i| (more[i] - rows[i]) * motion[i]).sum();
+            let off = (power - (more_lost - lost)).abs();
+            assert!(off <= 1e-4 * power.abs(), "{name}: {power} W, off by {off}");
+        }
+    }
 }
 
 /// The energy balance of a shift in overdrive with all losses.

@@ -201,6 +201,7 @@ fn runs_and_snapshots_repeat_bit_for_bit() {
             variator
         });
         assert_eq!(one.state(), two.state());
+        one.set_friction(0.07, 0.03).expect("in range");
         let mut k = 10;
         assert_continues_alike(&mut one, parameters, |_| {
             k += 1;

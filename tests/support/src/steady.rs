@@ -38,6 +38,8 @@ pub struct At {
     pub segment: usize,
     /// Ring element.
     pub element: usize,
+    /// The nearer pulley.
+    pub pulley: Pulley,
     /// Values at the station.
     pub sample: Sample,
 }
@@ -51,6 +53,7 @@ pub fn stations(system: &VariatorSystem, state: &State) -> Vec<At> {
         .map(|(cell, sample)| At {
             segment: mesh.elements[cell.element].segment,
             element: cell.element,
+            pulley: cell.pulley,
             sample,
         })
         .collect()
