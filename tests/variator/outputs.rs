@@ -1,7 +1,7 @@
 //! Each scalar output of a steady state against a second formula: from other outputs, from the
 //! stations, from what was given.
 
-use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::pulley::{PerPulley, Pulley, Wedge};
 use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::settings::Cylinder;
 use pushbelt_support::steady::{At, transmitting};
@@ -15,7 +15,7 @@ fn idle_arc(stations: &[At], pulley: Pulley) -> [f64; 2] {
     let (arc, strands) = [(&[4, 0][..], [3, 1]), (&[2], [1, 3])][pulley as usize];
     let ([entry, exit], mut angle, mut course) = (strands.map(mean), 0.0, vec![[0.0; 2]]);
     for s in arc.iter().flat_map(|&k| of(k)) {
-        let wrap = s.curvature[0] * s.weight;
+        let wrap = s.curvature * s.weight;
         course.push([angle + 0.5 * wrap, ((s.push - entry) / (exit - entry)).abs()]);
         angle += wrap;
     }
@@ -40,11 +40,11 @@ fn outputs_follow_from_others_from_stations_and_from_what_is_given() {
         let state = transmitting(&p, ratio, 12e3, 60.0, SPEED);
         let (o, stations, law) = (&state.outputs, state.stations(), &state.system.belt.law);
         let (a, b) = (&o.primary, &o.secondary);
-        let (e, [_, cos, tan]) = (p.belt.pitch_offset, law.wedge);
+        let (e, Wedge { cos, tan, .. }) = (p.belt.pitch_offset, law.wedge);
         let sum = |of: &dyn Fn(&At) -> f64| stations.iter().map(|at| of(at) * at.sample.weight).sum::<f64>();
         let whole = |value: fn(&Sample) -> f64| sum(&|at| value(&at.sample));
         let i = (b.radius + e) / (a.radius + e);
-        let (primary, secondary) = p.pitch_radii(i).expect("the belt closes");
+        let PerPulley { primary, secondary } = p.pitch_radii(i).expect("the belt closes");
         let mut rows = Vec::new();
         let drags = PerPulley::from_fn(|j| {
             let (of, closed) = if j == Pulley::Primary { (a, primary) } else { (b, secondary) };
