@@ -95,7 +95,8 @@ fn directions(name: &str, ring: Arc<dyn BeltRing>) {
 fn free_ring() {
     for step in [4e-3, 2e-3, 1e-3] {
         let runs = (0..7).map(|_| {
-            let (mut system, mut state, _) = swinging_band::<AbsoluteNodal>(0.185e-3, 1e-3);
+            let band = swinging_band::<AbsoluteNodal>(0.185e-3, 1e-3);
+            let (mut system, mut state) = (band.system, band.state);
             let mut integrator = fixed_steps(&mut system, step);
             integrator.newton_tolerance = 1000.0;
             let start = ThreadTime::now();

@@ -57,13 +57,21 @@ pub fn run<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     advance(integrator, system, state, [from, to]).expect("the free ring can be integrated");
 }
 
-/// Angular frequency and shape of the small oscillation about the rest state `state` nearest to
-/// `near`, rad/s.
+/// A small oscillation.
+pub struct Mode {
+    /// Angular frequency, rad/s.
+    pub omega: f64,
+    /// Its shape.
+    pub shape: Vec<f64>,
+}
+
+/// The small oscillation about the rest state `state` nearest to the angular frequency `near`,
+/// rad/s.
 pub fn mode<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &RingSystem<M, D, N>,
     state: &State,
     near: f64,
-) -> (f64, Vec<f64>) {
+) -> Mode {
     let mut system = system.clone();
     if M::LAGRANGIAN {
         // s follows from the other unknowns.
@@ -99,7 +107,10 @@ pub fn mode<M: RingFormulation<D, N>, const D: usize, const N: usize>(
         factors.solve(&mut product);
         std::mem::swap(&mut v, &mut product);
     }
-    (omega2.sqrt(), v)
+    Mode {
+        omega: omega2.sqrt(),
+        shape: v,
+    }
 }
 
 /// Mean square extent along x less that along y, m²: zero when round.

@@ -7,7 +7,6 @@ use pushbelt::solver::State;
 use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
-use pushbelt_paper::ring::model::Energy;
 
 use super::motion::{fixed_steps, mode, run};
 use super::record::{Record, record};
@@ -18,34 +17,71 @@ pub fn rigid<C: ReferenceCurve + Debug>(curve: C, mesh: RingMesh) -> RingSystem<
     RingSystem::new(AleRing::rigid(solid(), curve, mesh))
 }
 
-/// Reference values for the solid ring: Θ, bending energy, J, and M_ΘΘ, kg·m².
-pub const REFERENCE_NUMBERS: [(f64, f64, f64); 2] =
-    [(0.0, 1_151_453.8, 3.10883), (0.4, 1_298_705.6, 2.04239)];
+/// Energy and inertia of the reference motion at a Θ.
+pub struct ReferenceNumbers {
+    /// Θ.
+    pub theta: f64,
+    /// Bending energy, J.
+    pub energy: f64,
+    /// M_ΘΘ, kg·m².
+    pub mass: f64,
+    /// M_sΘ, kg·m.
+    pub coupling: f64,
+}
+
+/// Reference values for the solid ring.
+pub const REFERENCE_NUMBERS: [ReferenceNumbers; 2] = [
+    ReferenceNumbers {
+        theta: 0.0,
+        energy: 1_151_453.8,
+        mass: 3.10883,
+        coupling: 0.0,
+    },
+    ReferenceNumbers {
+        theta: 0.4,
+        energy: 1_298_705.6,
+        mass: 2.04239,
+        coupling: 0.0,
+    },
+];
 
 /// Reference value of the frequency of its small oscillation, rad/s.
 pub const REFERENCE_FREQUENCY: f64 = 718.05;
 
-/// Energy, M_ΘΘ and M_sΘ of the reference motion at Θ.
-pub fn reference_numbers(theta: f64) -> (Energy, f64, f64) {
+/// Those of the reference motion at Θ. All of its energy is that of bending.
+pub fn reference_numbers(theta: f64) -> ReferenceNumbers {
     let system = rigid(solid_curve(), RingMesh::even(&[4, 4, 8, 4, 4], 5));
     let state = system.rest(theta);
     let mass = system.mass_matrix(&state.q);
-    let (s, theta) = (system.drift(), system.theta());
-    (system.energy(state.view()), mass[(theta, theta)], mass[(s, theta)])
+    let (s, at) = (system.drift(), system.theta());
+    ReferenceNumbers {
+        theta,
+        energy: system.energy(state.view()).total(),
+        mass: mass[(at, at)],
+        coupling: mass[(s, at)],
+    }
 }
 
 /// Frequency of the reference motion's small oscillation, rad/s.
 pub fn reference_frequency() -> f64 {
     let system = rigid(solid_curve(), RingMesh::even(&[4, 4, 8, 4, 4], 5));
-    mode(&system, &system.rest(0.0), 700.0).0
+    mode(&system, &system.rest(0.0), 700.0).omega
 }
 
-/// The reference oscillation (paper fig. 6) from Θ = 0.4 at rest, over 20 ms, and its energy, J.
+/// An oscillation about the reference motion.
+pub struct Oscillation<C: ReferenceCurve> {
+    pub system: RingSystem<AleRing<C>>,
+    pub record: Record,
+    /// Its energy, J.
+    pub swing: f64,
+}
+
+/// The reference oscillation (paper fig. 6) from Θ = 0.4 at rest, over 20 ms.
 pub fn reference_oscillation<C: ReferenceCurve + Debug>(
     curve: C,
     mesh: RingMesh,
     tolerance: f64,
-) -> (RingSystem<AleRing<C>>, Record, f64) {
+) -> Oscillation<C> {
     oscillation(rigid(curve, mesh), tolerance, 2.0e-4)
 }
 
@@ -54,13 +90,17 @@ pub fn oscillation<C: ReferenceCurve + Debug>(
     mut system: RingSystem<AleRing<C>>,
     tolerance: f64,
     step: f64,
-) -> (RingSystem<AleRing<C>>, Record, f64) {
+) -> Oscillation<C> {
     system.tolerance = tolerance;
     let start = system.rest(0.4);
     let energy = |state: &State| system.energy(state.view()).total();
     let swing = energy(&start) - energy(&system.rest(0.0));
     let record = record(&mut system, start, 0.05 * step, step, 100, 1.0);
-    (system, record, swing)
+    Oscillation {
+        system,
+        record,
+        swing,
+    }
 }
 
 /// Error of Θ after 5 ms of the reference oscillation with fixed steps.

@@ -13,7 +13,7 @@ use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::model::RingFormulation;
 
 use super::cases::Case;
-use super::motion::{fixed_steps, mode, nodes, ovality, run};
+use super::motion::{Mode, fixed_steps, mode, nodes, ovality, run};
 use super::record::{Record, record};
 use super::specimens::{BAND_LENGTH, Specimen, band, band_circle, thin_ring_frequency, two_arc};
 
@@ -108,7 +108,7 @@ pub fn free_ring_mode<S: Case>(ring: &Ring, elements: usize, near: f64) -> f64 {
     let system = S::system(ring.clone(), band_circle(), elements);
     let mut rest = system.rest(0.0);
     system.settle(&mut rest, 0.5 / near, 20).expect("a balance");
-    mode(&system, &rest, near).0
+    mode(&system, &rest, near).omega
 }
 
 /// Relative error of the thin band's first bending frequency, less 1.
@@ -168,15 +168,22 @@ pub fn two_arc_swing<S: Case>(tolerance: f64) -> Swing {
     }
 }
 
-/// A free band of `thickness` in its first bending mode, `amplitude` in units of the radius; with
-/// its frequency, rad/s.
-pub fn swinging_band<S: Case>(thickness: f64, amplitude: f64) -> (RingSystem<S::Model<Circle>>, State, f64) {
+/// A free band in its first bending mode.
+pub struct SwingingBand<S: Case> {
+    pub system: RingSystem<S::Model<Circle>>,
+    pub state: State,
+    /// Angular frequency, rad/s.
+    pub omega: f64,
+}
+
+/// A free band of `thickness` in its first bending mode, `amplitude` in units of the radius.
+pub fn swinging_band<S: Case>(thickness: f64, amplitude: f64) -> SwingingBand<S> {
     let ring = band(thickness);
     let near = 1.01 * TAU * thin_ring_frequency(&ring, BAND_LENGTH / TAU);
     let system = S::system(ring, band_circle(), 40);
     let mut state = system.rest(0.0);
     system.settle(&mut state, 0.5 / near, 20).expect("a balance");
-    let (omega, shape) = mode(&system, &state, near);
+    let Mode { omega, shape } = mode(&system, &state, near);
     let mut moving = state.clone();
     moving.y.copy_from_slice(&shape);
     let largest = (0..40)
@@ -184,14 +191,18 @@ pub fn swinging_band<S: Case>(thickness: f64, amplitude: f64) -> (RingSystem<S::
         .fold(0.0, f64::max);
     let scale = amplitude * BAND_LENGTH / TAU * omega / largest;
     state.y.iter_mut().zip(&shape).for_each(|(y, x)| *y = scale * x);
-    (system, state, omega)
+    SwingingBand { system, state, omega }
 }
 
 /// Errors of the nodes' places after 1.2 periods of an oscillating band, with these numbers of
 /// fixed steps per period, m.
 pub fn time_errors<S: Case>(thickness: f64, ladder: [f64; 3]) -> [f64; 3] {
     let shape = |steps: f64| {
-        let (mut system, mut state, omega) = swinging_band::<S>(thickness, 1.0e-2);
+        let SwingingBand {
+            mut system,
+            mut state,
+            omega,
+        } = swinging_band::<S>(thickness, 1.0e-2);
         let period = TAU / omega;
         let mut integrator = fixed_steps(&mut system, period / steps);
         run(&mut system, &mut integrator, &mut state, 0.0, 1.2 * period);

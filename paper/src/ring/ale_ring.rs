@@ -14,7 +14,7 @@ use super::kinematics::{
     ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane,
 };
 use super::mesh::{self, RingMesh, Station};
-use super::model::{Coordinates, DIRECTIONS, Energy, RingFormulation, RingShape};
+use super::model::{Coordinates, DIRECTIONS, ElementPlace, Energy, RingFormulation, RingShape};
 use super::particle::{Particle, ParticleLoad, load_of_particle};
 use super::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::reference_curve::{CurvePlace, Jet, ReferenceCurve, ReferencePoint};
@@ -127,7 +127,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
             s_ddot: drift.acceleration,
         };
         let place = &self.mesh.elements[element];
-        let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.length);
+        let length = self.element_length(frame, element);
         let node = |i: usize, of: fn(&Motion<T>) -> T| {
             let unknown = |k: usize| if self.flexible { of(&motion[k]) } else { T::zero() };
             Node {
@@ -153,6 +153,11 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
             reference,
             rotated,
         }
+    }
+
+    fn element_length<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize) -> Jet<T> {
+        let element = &self.mesh.elements[element];
+        Jet::constant(0.0).plus_scaled(C::segment_length(frame, element.segment), element.length)
     }
 
     fn reference_point<T: Real<Constant = f64>>(
@@ -327,10 +332,13 @@ where
         self.curve.frame(theta)
     }
 
-    fn locate(&self, frame: &C::Frame<f64>, _s: f64, xi: f64) -> (usize, f64) {
+    fn locate(&self, frame: &C::Frame<f64>, _s: f64, xi: f64) -> ElementPlace {
         let CurvePlace { segment, fraction } = self.curve.locate(frame, xi);
         let (element, along) = mesh::find(&self.mesh.elements, segment, fraction);
-        (element, 2.0 * along - 1.0)
+        ElementPlace {
+            element,
+            x: 2.0 * along - 1.0,
+        }
     }
 
     fn place_on(&self, shape: RingShape<'_, D>, q: &mut [f64]) {
@@ -361,11 +369,15 @@ where
         element: usize,
         x: f64,
         motion: &Coordinates<T, N>,
-    ) -> (Particle<T, D>, T) {
+    ) -> Particle<T, D> {
         let station = self.mesh.elements[element].station(x, 0.0, 0.0);
         let parts = self.parts(frame, element, motion);
         let point = self.point(frame, element, &station, &parts);
-        (Particle::from(&point), parts.element.length.v * 0.5)
+        Particle::from(&point)
+    }
+
+    fn half_length<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize) -> T {
+        self.element_length(frame, element).v * 0.5
     }
 
     fn project<T: Real<Constant = f64>>(

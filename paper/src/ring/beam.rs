@@ -29,13 +29,13 @@ pub fn tension<T: Real>(ring: &Ring, strain: T, rate: T) -> T {
 /// Adds the force of the ring tension `tension`: T δγ.
 #[inline(always)]
 pub fn add_tension<T: Real>(tension: T, particle: &Particle<T>, load: &mut ParticleLoad<T>) {
-    load.slope += particle.slope * (tension * particle.stretch().1);
+    load.slope += particle.slope * (tension * particle.inverse_stretch());
 }
 
 /// Adds the bending force EI κ δκ.
 #[inline(always)]
 pub fn add_bending<T: Real>(ring: &Ring, particle: &Particle<T>, load: &mut ParticleLoad<T>) {
-    let (slope, bend, (_, inverse)) = (particle.slope, particle.bend, particle.stretch());
+    let (slope, bend, inverse) = (particle.slope, particle.bend, particle.inverse_stretch());
     let scale = inverse * inverse;
     let normal = turn_right(slope) * scale;
     let kappa = normal.dot(&bend);

@@ -9,7 +9,7 @@ use super::Ring;
 use super::beam;
 use super::kinematics::Motion;
 use super::mesh::gauss;
-use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, NODAL, RingFormulation, RingShape};
+use super::model::{Coordinates, DIRECTIONS, DRIFT, ElementPlace, Energy, NODAL, RingFormulation, RingShape};
 use super::particle::{Particle, ParticleLoad};
 use crate::reference_curve::ReferenceCurve;
 use crate::scalar::{Lanes, Real};
@@ -242,10 +242,13 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingFormulation 
 
     fn frame<T: Real>(&self, _theta: T) {}
 
-    fn locate(&self, (): &(), s: f64, xi: f64) -> (usize, f64) {
+    fn locate(&self, (): &(), s: f64, xi: f64) -> ElementPlace {
         let place = (xi - s).rem_euclid(self.length()) / self.element_length();
         let element = (place as usize).min(self.elements - 1);
-        (element, 2.0 * (place - element as f64) - 1.0)
+        ElementPlace {
+            element,
+            x: 2.0 * (place - element as f64) - 1.0,
+        }
     }
 
     fn place_on(&self, shape: RingShape<'_>, q: &mut [f64]) {
@@ -272,8 +275,12 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingFormulation 
         _element: usize,
         x: f64,
         motion: &Coordinates<T>,
-    ) -> (Particle<T>, T) {
-        (self.particle_at(motion, x), T::from(0.5 * self.element_length()))
+    ) -> Particle<T> {
+        self.particle_at(motion, x)
+    }
+
+    fn half_length<T: Real<Constant = f64>>(&self, (): &(), _element: usize) -> T {
+        T::from(0.5 * self.element_length())
     }
 
     fn project<T: Real<Constant = f64>>(

@@ -35,6 +35,15 @@ pub type Coordinates<T, const N: usize = DIRECTIONS> = [Motion<T>; N];
 /// Shape of a ring: (r, r') at ξ.
 pub type RingShape<'a, const D: usize = 2> = &'a dyn Fn(f64) -> [SVector<f64, D>; 2];
 
+/// A place in an element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElementPlace {
+    /// The element.
+    pub element: usize,
+    /// Local coordinate from −1 to 1.
+    pub x: f64,
+}
+
 /// A ring model on its mesh, with D components and N unknowns per element; s and Θ are the last
 /// two.
 pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + std::fmt::Debug {
@@ -73,7 +82,7 @@ pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clon
     fn frame<T: Real>(&self, theta: T) -> Self::Frame<T>;
 
     /// Element and local coordinate x of the particle that is at ξ when the ring has drifted by s.
-    fn locate(&self, frame: &Self::Frame<f64>, s: f64, xi: f64) -> (usize, f64);
+    fn locate(&self, frame: &Self::Frame<f64>, s: f64, xi: f64) -> ElementPlace;
 
     /// Sets the unknowns `q` so that the nodes are on a shape at s = 0; `q[Θ]` is given.
     fn place_on(&self, shape: RingShape<'_, D>, q: &mut [f64]);
@@ -81,15 +90,17 @@ pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clon
     /// Sets the unknowns `q` so that the nodes are on the reference curve; `q[Θ]` is given.
     fn place_on_curve(&self, q: &mut [f64]);
 
-    /// The particle at the local coordinate x of an element, and the unstretched length dξ per dx
-    /// there, m.
+    /// The particle at the local coordinate x of an element.
     fn particle<T: Real<Constant = f64>>(
         &self,
         frame: &Self::Frame<T>,
         element: usize,
         x: f64,
         motion: &Coordinates<T, N>,
-    ) -> (Particle<T, D>, T);
+    ) -> Particle<T, D>;
+
+    /// Half the unstretched length of an element, m: dξ per dx.
+    fn half_length<T: Real<Constant = f64>>(&self, frame: &Self::Frame<T>, element: usize) -> T;
 
     /// Generalised forces of a load on the particle at x, N: the transpose of
     /// [`RingFormulation::particle`]'s velocities.

@@ -32,22 +32,28 @@ pub struct Particle<T: Real, const D: usize = 2> {
 }
 
 impl<T: Real, const D: usize> Particle<T, D> {
-    /// |r'| and 1/|r'|.
+    /// |r'|.
     #[inline(always)]
-    pub fn stretch(&self) -> (T, T) {
-        self.slope.dot(&self.slope).root_and_inverse()
+    pub fn stretch(&self) -> T {
+        self.slope.dot(&self.slope).root_and_inverse().0
+    }
+
+    /// 1/|r'|.
+    #[inline(always)]
+    pub fn inverse_stretch(&self) -> T {
+        self.slope.dot(&self.slope).root_and_inverse().1
     }
 
     /// Axial strain γ = |r'| − 1 (20).
     #[inline(always)]
     pub fn strain(&self) -> T {
-        self.stretch().0 - 1.0
+        self.stretch() - 1.0
     }
 
     /// Dγ/Dt, 1/s.
     #[inline(always)]
     pub fn strain_rate(&self) -> T {
-        self.slope.dot(&self.velocity_slope) * self.stretch().1
+        self.slope.dot(&self.velocity_slope) * self.inverse_stretch()
     }
 
     /// The ring at a mesh point of the reference curve, currently at `reference`.
@@ -74,7 +80,7 @@ impl<T: Real> Particle<T> {
     /// Turning of the tangent per unstretched length, (r' × r'')/|r'|², 1/m; positive inwards.
     #[inline(always)]
     pub fn curvature(&self) -> T {
-        let (_, inverse) = self.stretch();
+        let inverse = self.inverse_stretch();
         turn_right(self.slope).dot(&self.bend) * (inverse * inverse)
     }
 }

@@ -11,7 +11,7 @@ use crate::ring::ale_ring::AleRing;
 use crate::ring::kinematics::Motion;
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use crate::ring::mesh::{RingMesh, gauss};
-use crate::ring::model::{Coordinates, NODAL, RingFormulation};
+use crate::ring::model::{Coordinates, ElementPlace, NODAL, RingFormulation};
 use crate::ring::particle::Particle;
 use crate::solver::State;
 use pushbelt::variator::ring_models::{Belt, NodeUnknown};
@@ -89,7 +89,7 @@ impl<'a> AleShape<'a> {
 
     /// The particle at ξ, m.
     fn particle(&self, xi: f64) -> Particle<f64> {
-        let (element, x) = self.model.locate(&self.frame, 0.0, xi);
+        let ElementPlace { element, x } = self.model.locate(&self.frame, 0.0, xi);
         let layout = &self.belt.layout;
         let motion: Coordinates<f64> = std::array::from_fn(|k| {
             let at = match k {
@@ -103,6 +103,6 @@ impl<'a> AleShape<'a> {
                 acceleration: self.state.y_dot[at],
             }
         });
-        self.model.particle(&self.frame, element, x, &motion).0
+        self.model.particle(&self.frame, element, x, &motion)
     }
 }

@@ -83,8 +83,8 @@ fn primes_are_derivatives<S: Case<D, N>, const D: usize, const N: usize>() {
                     .model
                     .particle(&frame, element, x, &system.values(state.view(), element))
             };
-            let (now, scale) = at(x);
-            let (before, after) = (at(x - h).0, at(x + h).0);
+            let scale = system.model.half_length(&frame, element);
+            let (before, now, after) = (at(x - h), at(x), at(x + h));
             let along = |a: SVector<f64, D>, b: SVector<f64, D>| (a - b) / (2.0 * h * scale);
             assert!((now.slope - along(after.r, before.r)).norm() < 1e-7);
             assert!((now.bend - along(after.slope, before.slope)).norm() < 1e-6 * now.bend.norm().max(1.0));
@@ -145,7 +145,7 @@ fn projection_is_the_transpose<S: Case<D, N>, const D: usize, const N: usize>() 
     for element in 0..system.model.elements() {
         let motion = system.values(state.view(), element);
         for x in [-1.0, -0.3, 0.8] {
-            let (particle, _) = system.model.particle(&frame, element, x, &motion);
+            let particle = system.model.particle(&frame, element, x, &motion);
             let load = ParticleLoad {
                 position: vector(),
                 slope: vector(),
@@ -297,7 +297,8 @@ fn two_arc_oscillation<S: Case>() {
 
 /// The same mode in time: after whole periods the velocities are the initial ones.
 fn free_ring_swings_at_its_frequency<S: Case>() {
-    let (mut system, mut state, omega) = swinging_band::<S>(0.185e-3, 1.0e-4);
+    let band = swinging_band::<S>(0.185e-3, 1.0e-4);
+    let (mut system, mut state, omega) = (band.system, band.state, band.omega);
     let period = TAU / omega;
     let mut integrator = fixed_steps(&mut system, period / 400.0);
     let start = nodes(&system, state.view());

@@ -264,7 +264,7 @@ fn frequency_out_of_plane() {
             .map(|(i, k)| system.node(i, k))
             .collect();
         lateral.held.extend([system.drift(), system.theta()]);
-        (mode(&lateral, &rest, 1.001 * exact).0 / exact - 1.0).abs()
+        (mode(&lateral, &rest, 1.001 * exact).omega / exact - 1.0).abs()
     });
     assert_order("n = 2 out of the plane", &errors, 4.0);
 }

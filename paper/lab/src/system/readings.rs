@@ -3,7 +3,7 @@
 use super::free_ring::RingSystem;
 use nalgebra::DMatrix;
 use pushbelt::solver::View;
-use pushbelt_paper::ring::model::{Energy, RingFormulation};
+use pushbelt_paper::ring::model::{ElementPlace, Energy, RingFormulation};
 use pushbelt_paper::ring::particle::Particle;
 
 impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
@@ -11,13 +11,13 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
     #[must_use]
     pub fn particle(&self, view: View<'_>, element: usize, x: f64) -> Particle<f64, D> {
         let motion = self.values(view, element);
-        self.model.particle(&self.frame(view), element, x, &motion).0
+        self.model.particle(&self.frame(view), element, x, &motion)
     }
 
     /// The particle at the place ξ, m, for any drift of the mesh: x̄ = ξ − s (1).
     #[must_use]
     pub fn particle_at(&self, view: View<'_>, xi: f64) -> Particle<f64, D> {
-        let (element, x) = self.model.locate(&self.frame(view), view.q[self.drift()], xi);
+        let ElementPlace { element, x } = self.model.locate(&self.frame(view), view.q[self.drift()], xi);
         self.particle(view, element, x)
     }
 
@@ -28,7 +28,8 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         for element in 0..self.model.elements() {
             let motion = self.values(view, element);
             for &(x, weight) in self.model.quadrature() {
-                let (particle, scale) = self.model.particle(&frame, element, x, &motion);
+                let particle = self.model.particle(&frame, element, x, &motion);
+                let scale = self.model.half_length(&frame, element);
                 sum += weight * scale * f(&particle);
             }
         }
@@ -75,7 +76,8 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
                     };
                     let motion = self.values(view, element);
                     unit[i] = 0.0;
-                    let (particle, scale) = self.model.particle(&frame, element, x, &motion);
+                    let particle = self.model.particle(&frame, element, x, &motion);
+                    let scale = self.model.half_length(&frame, element);
                     (particle.velocity, weight * scale * self.model.ring().mass_per_length)
                 };
                 let p = at.map(column);

@@ -52,7 +52,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
             let motion = self.values(state.view(), element);
             let mut length = 0.0;
             for &(x, weight) in self.model.quadrature() {
-                let (_, scale) = self.model.particle(&frame, element, x, &motion);
+                let scale = self.model.half_length(&frame, element);
                 let load = ParticleLoad {
                     position: velocity(xi + scale * (1.0 + x)) * (density * scale * weight),
                     ..ParticleLoad::zero()
