@@ -6,12 +6,24 @@
 //! FMI 2.0 names each element.
 
 use super::hash;
-use super::instance::{TIME, Version};
 use super::log::Category;
 use super::table::{Causality, Enumeration, Kind, Table, UnitDefinition, Value, Variable};
 use super::unit::{Identity, Unit};
 use super::xml::{Element, Number};
 use Version::{Three, Two};
+
+/// Version of the standard.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0.
+    #[default]
+    Two,
+    /// FMI 3.0.
+    Three,
+}
+
+/// Value reference of the time in FMI 3.0, which no variable of a table has.
+pub(crate) const TIME: u32 = 0;
 
 /// The model description of a unit whose resources have data of this hash.
 #[must_use]

@@ -13,28 +13,35 @@
 // The program of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 
+#[cfg(feature = "c")]
 #[allow(unsafe_code)]
 mod c;
 #[forbid(unsafe_code)]
 mod description;
+#[cfg(feature = "c")]
 #[allow(unsafe_code)]
 pub mod fmi2;
 #[allow(unsafe_code)]
 pub mod fmi3;
 #[forbid(unsafe_code)]
 pub mod hash;
+#[cfg(feature = "c")]
 #[forbid(unsafe_code)]
 mod instance;
 #[forbid(unsafe_code)]
 pub mod log;
+#[cfg(feature = "c")]
 #[forbid(unsafe_code)]
 mod processor;
+#[cfg(feature = "c")]
 #[forbid(unsafe_code)]
 pub mod resources;
 #[forbid(unsafe_code)]
 pub mod si;
+#[cfg(feature = "c")]
 #[forbid(unsafe_code)]
 pub mod start_file;
+#[cfg(feature = "c")]
 #[forbid(unsafe_code)]
 pub mod state;
 #[forbid(unsafe_code)]
@@ -51,16 +58,17 @@ pub mod prelude {
     pub use crate::{Archive, Unit, Version, model_description, setting};
 }
 
-pub use description::{model_description, token};
-pub use instance::Version;
+pub use description::{Version, model_description, token};
 pub use pushbelt_archive::Archive;
 pub use table::Table;
 pub use unit::Unit;
 
 /// Forwarding to a variant of the library, for the macros of this crate.
+#[cfg(feature = "c")]
 #[doc(hidden)]
 pub use c::dispatch;
 
 /// The C types of the exported functions, for the macros of this crate.
+#[cfg(feature = "c")]
 #[doc(hidden)]
 pub use libc;

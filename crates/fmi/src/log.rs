@@ -52,9 +52,11 @@ impl From<()> for Status {
 }
 
 /// Passes one message on to the importer.
+#[cfg(feature = "c")]
 pub(crate) type Sink = Box<dyn Fn(Status, Category, &str)>;
 
 /// A sink with a choice of categories.
+#[cfg(feature = "c")]
 pub(crate) struct Log {
     sink: Option<Sink>,
     /// Whether the importer switched debug logging on when it created the instance.
@@ -63,6 +65,7 @@ pub(crate) struct Log {
     enabled: Vec<Category>,
 }
 
+#[cfg(feature = "c")]
 impl Log {
     /// A log into `sink`, if there is one.
     pub fn new(sink: Option<Sink>, debug: bool) -> Self {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
+#[cfg(feature = "c")]
 use num_traits::cast;
 
 /// A physical unit: its name and its exponents over the SI base units and the radian.
@@ -252,6 +253,7 @@ pub enum Value {
 
 impl Value {
     /// As a number of C; a truth value is 0 or 1.
+    #[cfg(feature = "c")]
     pub(crate) fn number<N: num_traits::NumCast>(self) -> Option<N> {
         match self {
             Self::Real(value) => cast(value),

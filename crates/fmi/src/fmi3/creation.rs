@@ -9,7 +9,8 @@ use super::{Environment, Instance, IntermediateUpdate, LogMessage, Reference, Te
 use crate::c::creation::{Texts, c_string, create};
 use crate::c::entry::{array, contain};
 use crate::c::floating_point::in_hosts;
-use crate::instance::{Callback, Importer, TIME, Version};
+use crate::description::{TIME, Version};
+use crate::instance::{Callback, Importer};
 use crate::log::{Category, Sink, Status};
 use crate::processor;
 use crate::table::Causality;

@@ -8,16 +8,23 @@
 //! By the standard, an instance is terminated after an error. Here a refused call leaves it
 //! unchanged.
 
-use libc::{c_char, c_int, c_void};
+#[cfg(feature = "c")]
+use std::ffi::c_int;
+use std::ffi::{c_char, c_void};
 
+#[cfg(feature = "c")]
 mod creation;
+#[cfg(feature = "c")]
 #[doc(hidden)]
 pub mod functions;
+#[cfg(feature = "c")]
 mod steps;
 #[forbid(unsafe_code)]
 mod terminals;
 
+#[cfg(feature = "c")]
 pub use crate::instance::{Environment, IntermediateUpdate};
+#[cfg(feature = "c")]
 pub use functions::NAMES;
 pub use terminals::{Terminal, terminals_and_icons};
 
@@ -36,4 +43,5 @@ pub type Text = *const c_char;
 pub type Binary = *const u8;
 
 /// `fmi3LogMessageCallback`: environment, status, category, message.
+#[cfg(feature = "c")]
 pub type LogMessage = unsafe extern "C" fn(Environment, c_int, Text, Text);

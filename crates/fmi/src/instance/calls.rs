@@ -1,27 +1,17 @@
 //! An instance, and what is common to all calls: permission, log, and containment of a panic.
 
-use libc::c_void;
+use std::ffi::c_void;
 use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::clock::Clock;
 use super::snapshot::Snapshot;
 use super::{CallError, Outcome, refused};
-use crate::description;
+use crate::description::{self, Version};
 use crate::log::{Category, Log, Status};
 use crate::state::{Call, State};
 use crate::table::Table;
 use crate::unit::{Message, Unit};
-
-/// Version of the standard.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Version {
-    /// FMI 2.0.
-    #[default]
-    Two,
-    /// FMI 3.0.
-    Three,
-}
 
 /// `fmi3InstanceEnvironment`: a pointer that the importer gets back with each callback.
 pub type Environment = *mut c_void;

@@ -19,10 +19,9 @@ mod snapshot;
 mod steps;
 mod values;
 
-pub use calls::{Callback, Environment, FmuInstance, Importer, IntermediateUpdate, Version};
+pub use calls::{Callback, Environment, FmuInstance, Importer, IntermediateUpdate};
 pub use snapshot::Snapshot;
 pub use steps::{Ended, Next, Update};
-pub(crate) use values::TIME;
 pub use values::Type;
 
 /// Why a call was not done.

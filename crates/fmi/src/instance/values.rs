@@ -4,15 +4,13 @@ use std::mem::MaybeUninit;
 
 use num_traits::{NumCast, ToPrimitive};
 
-use super::calls::{FmuInstance, Version};
+use super::calls::FmuInstance;
 use super::snapshot::Snapshot;
 use super::{CallError, Outcome, refused};
+use crate::description::{TIME, Version};
 use crate::state::{Call, State};
 use crate::table::{Causality, Kind, Table, Value, Variable};
 use crate::unit::Unit;
-
-/// Value reference of the time in FMI 3.0, which no variable of a table has.
-pub(crate) const TIME: u32 = 0;
 
 /// Types of the interface.
 #[derive(Clone, Copy, PartialEq, Eq)]
