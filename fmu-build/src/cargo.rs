@@ -10,7 +10,8 @@ use serde_json::Value;
 
 use crate::platform::Version;
 use crate::workspace::{
-    LIBRARY_PACKAGE, MAP_PACKAGE, MODEL_PACKAGE, PAPER_LIBRARY_PACKAGE, PAPER_PACKAGE, Workspace,
+    LIBRARY_PACKAGE, LIVE_PACKAGE, MAP_PACKAGE, MODEL_PACKAGE, PAPER_LIBRARY_PACKAGE, PAPER_PACKAGE,
+    Workspace,
 };
 
 /// A cargo command at the top level of the workspace, with the cargo that started this tool.
@@ -83,6 +84,14 @@ pub fn build_library_with(command: &mut Command) -> anyhow::Result<PathBuf> {
         LIBRARY_PACKAGE,
         drop,
     )
+}
+
+/// Compiles the module of the live page with a `cargo build` for WebAssembly, and returns its path.
+///
+/// # Errors
+/// The compilation fails.
+pub fn build_module(command: &mut Command) -> anyhow::Result<PathBuf> {
+    compile_library(command.args(["--lib", "--package", LIVE_PACKAGE]), LIVE_PACKAGE, drop)
 }
 
 /// Compiles the shared library of the paper's belts, optimised for this machine, and returns its
@@ -190,7 +199,9 @@ impl Artifact {
     fn shared_library(self) -> Option<PathBuf> {
         let is_shared = |file: &PathBuf| {
             let extension = file.extension();
-            extension.is_some_and(|extension| ["so", "dylib", "dll"].iter().any(|known| extension == *known))
+            extension.is_some_and(|extension| {
+                ["so", "dylib", "dll", "wasm"].iter().any(|known| extension == *known)
+            })
         };
         self.files.into_iter().find(is_shared)
     }

@@ -6,6 +6,7 @@
 //! | [`workspace`], [`platform`] | paths of the workspace, and names of binaries by platform |
 //! | [`cargo`], [`python`], [`mdbook`] | external programs |
 //! | [`portable`], [`binary`] | binaries for other machines, and their requirements |
+//! | [`distribution`] | a compiler for browsers, where rustup has none |
 //! | [`archive`], [`licenses`], [`description`], [`icons`] | the other files of the FMU |
 //! | [`progress`] | headlines on the terminal |
 
@@ -15,6 +16,7 @@ mod cargo;
 mod commands;
 mod date;
 mod description;
+mod distribution;
 mod exports;
 #[allow(dead_code, reason = "the file is that of the FMU, which has other uses too")]
 #[path = "../../crates/fmi/src/hash.rs"]
@@ -51,7 +53,7 @@ struct Arguments {
 const TIMES: &str = "\
 Times on two processor cores, once the model is compiled and the Python packages are installed:
   seconds      belt, build, demo, compare, describe, durability, linearize
-  a minute     drive, sweep, calibrate (60 points), bench, elements (a case)
+  a minute     drive, live, sweep, calibrate (60 points), bench, elements (a case)
   two minutes  maps
   minutes      test (3), validate (3), paper, docs
   15 minutes   test --all
@@ -74,6 +76,8 @@ enum Command {
     Describe,
     /// Write the documentation as a book, target/book/index.html, and check its links
     Docs,
+    /// Write target/live.html, the model in a page for browsers: one file, for file:// and any server
+    Live,
     /// Run the belt element by element, the model that judges the FMU's, and write
     /// target/elements/CASE.csv
     Elements(commands::elements::Arguments),
@@ -121,6 +125,7 @@ fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         Command::Wheel(arguments) => commands::wheel::run(&workspace, &arguments),
         Command::Describe => commands::describe::run(&workspace),
         Command::Docs => commands::docs::run(&workspace),
+        Command::Live => commands::live::run(&workspace),
         Command::Elements(arguments) => commands::elements::run(&workspace, &arguments),
     }
 }

@@ -286,7 +286,10 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {
 }
 
 /// Installs Rust's standard library for a target unless it is there.
-fn ensure_installed(triple: &str) -> anyhow::Result<()> {
+///
+/// # Errors
+/// rustup can't install it, or is missing.
+pub fn ensure_installed(triple: &str) -> anyhow::Result<()> {
     let output = Command::new("rustc")
         .args(["--print", "target-libdir", "--target", triple])
         .output()
@@ -310,19 +313,23 @@ fn ensure_installed(triple: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compiler flags: those of the environment instead of the workspace's own (which require AVX2),
-/// and the removal of this machine's paths from messages, so that the bytes don't depend on the
-/// location of the sources.
-fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
-    let given = std::env::var("RUSTFLAGS").unwrap_or_default();
-    let mut flags: Vec<String> = given.split_whitespace().map(str::to_owned).collect();
+/// Compiler flags that remove this machine's paths from messages, so that the bytes don't depend on
+/// the location of the sources.
+pub fn without_paths(workspace: &Workspace) -> Vec<String> {
     let cargo_home = std::env::var_os("CARGO_HOME")
         .map(PathBuf::from)
         .or_else(|| Some(std::env::home_dir()?.join(".cargo")));
-    if let Some(home) = cargo_home {
-        flags.push(format!("--remap-path-prefix={}=cargo", home.display()));
-    }
-    flags.push(format!("--remap-path-prefix={}=pushbelt", workspace.root().display()));
+    let cargo_home = cargo_home.map(|home| format!("--remap-path-prefix={}=cargo", home.display()));
+    let own = format!("--remap-path-prefix={}=pushbelt", workspace.root().display());
+    cargo_home.into_iter().chain([own]).collect()
+}
+
+/// Compiler flags: those of the environment instead of the workspace's own (which require AVX2),
+/// and [`without_paths`].
+fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
+    let given = std::env::var("RUSTFLAGS").unwrap_or_default();
+    let mut flags: Vec<String> = given.split_whitespace().map(str::to_owned).collect();
+    flags.extend(without_paths(workspace));
     if target.platform == Platform::WIN64 {
         // `cargo-zigbuild` drops the compiler's list of exports for the linker. Without a list,
         // everything is exported.

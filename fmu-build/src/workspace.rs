@@ -33,6 +33,9 @@ pub const MAP_IDENTIFIER: &str = "PushbeltMap";
 /// Model name and model identifier of the FMU.
 pub const MODEL_IDENTIFIER: &str = "PushbeltVariator";
 
+/// Name of the package of the live page.
+pub const LIVE_PACKAGE: &str = "pushbelt-live";
+
 /// The workspace that the tool works on.
 pub struct Workspace {
     root: PathBuf,

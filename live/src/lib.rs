@@ -126,7 +126,7 @@ extern "C" fn advance(to: f64) -> u32 {
 
 /// The values of now; those of elements of arrays only if `elements` is not 0.
 #[unsafe(no_mangle)]
-extern "C" fn read(elements: u32) -> *const f64 {
+extern "C" fn values(elements: u32) -> *const f64 {
     LIVE.with_borrow_mut(|live| live.read(elements != 0))
 }
 

@@ -1,12 +1,20 @@
-//! `cargo fmu docs`: the book of `docs/` with the API documentation, and a check of its links.
+//! `cargo fmu docs`: the book of `docs/` with the API documentation and the live page, and a check of
+//! its links.
 
-use anyhow::ensure;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, ensure};
 
 use crate::cargo;
-use crate::commands::describe;
+use crate::commands::{describe, live};
 use crate::mdbook::MdBook;
 use crate::progress;
 use crate::workspace::{self, Workspace};
+
+/// In the place of the live page, which pages link to.
+const NO_LIVE_PAGE: &str = "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>pushbelt, live</title>\
+    <p>This book was built without its live page. Run <code>cargo fmu live</code>, then <code>cargo fmu docs</code>.</p></html>\n";
 
 /// Writes `target/book/`.
 ///
@@ -30,6 +38,8 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     let api = book.join("api");
     workspace::copy_tree(&workspace.target().join("doc"), &api)?;
 
+    copy_live(&live::path(workspace), &book.join("live.html"))?;
+
     progress::headline("Checking the links");
     let mut check = cargo::command(workspace);
     check.args([
@@ -44,4 +54,14 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     cargo::run(check.arg(&book).arg(workspace.root()))?;
     println!("{}", book.join("index.html").display());
     Ok(())
+}
+
+/// Copies the live page into the book, or writes how to make it.
+fn copy_live(page: &Path, to: &Path) -> anyhow::Result<()> {
+    if page.is_file() {
+        fs::copy(page, to).map(drop)
+    } else {
+        fs::write(to, NO_LIVE_PAGE)
+    }
+    .with_context(|| format!("can't write {}", to.display()))
 }
