@@ -1,7 +1,7 @@
 //! An instance, and what is common to all calls: permission, log, and containment of a panic.
 
-use std::ffi::c_void;
 use std::cell::OnceCell;
+use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::clock::Clock;
