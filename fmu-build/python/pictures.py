@@ -1,5 +1,5 @@
 """Takes the docs' pictures of reports: `cargo fmu demo`, then `target/venv/bin/python fmu-build/python/pictures.py demo`; the same for paper,
-validate and drive.
+validate, drive and live.
 
 A picture carries a hash of the stored results that belong to what it shows, and a test compares it with those of today. It needs the distribution's Chromium. Options: the report, and the file to write, or the folder for the figures.
 """
@@ -32,13 +32,14 @@ FIGURES = {
 MODEL = "resources/reference/smoke-test-ref.csv"
 """Outputs of the model, renewed when its physics change."""
 STORED = {
-    "report.png": ("demo", MODEL), "drive.png": ("drive", MODEL), "validation-steps.png": ("validate", "validation/results.json"),
+    "report.png": ("demo", MODEL), "live.png": ("live", MODEL), "drive.png": ("drive", MODEL), "validation-steps.png": ("validate", "validation/results.json"),
     **dict.fromkeys(FIGURES["paper"].values(), ("paper", "paper/statements.csv")), "paper-figure-9.png": ("paper", "paper/figure-9.csv"),
 }  # fmt: skip
 """Pictures, their report, and the stored results of its run; of the validation only the steps, which its picture shows."""
 SIGNATURE, HEAD, KEY = b"\x89PNG\r\n\x1a\n", 33, b"Shows\0"  # Of a PNG; length of signature and first chunk; key of the hash
 TITLE = 14  # Height by which the title of a first panel stands out of its figure, px
 SHOWN = 4.0  # Time of the manoeuvre in the picture, s
+LIVE_HEIGHT, LIVE_SHOWN = 868, 3000  # Height of the picture of the live page, px; time of its manoeuvre, ms
 
 
 def shown(name: str) -> str:
@@ -88,19 +89,35 @@ def take(report: Path, picture: Path, figures: Mapping[str, str] | None, browser
             stamp(picture / file)
 
 
+def take_live(live: Path, picture: Path) -> None:
+    """Saves the beginning of the live page in a kick-down."""
+    with reports.page() as (page, _):
+        page.set_viewport_size({"width": WIDTH, "height": 900})
+        page.goto(f"{live.resolve().as_uri()}#manoeuvre=Kick-down")
+        page.wait_for_function("stats.frames > 3")
+        page.evaluate(f"isRunning = false; while (step < {LIVE_SHOWN}) advance(); refresh(); showFacts()")
+        page.evaluate("{ const frames = stats.frames; new Promise((done) => setInterval(() => stats.frames > frames + 3 && done(), 20)); }")
+        top = page.evaluate("document.querySelector('.bench').getBoundingClientRect().top + scrollY - 12")
+        page.screenshot(path=picture, full_page=True, clip={"x": 18, "y": top, "width": WIDTH - 36, "height": LIVE_HEIGHT})
+    stamp(picture)
+
+
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("name", choices=["demo", *FIGURES], help="which report")
+    parser.add_argument("name", choices=["demo", "live", *FIGURES], help="which report")
     parser.add_argument("report", type=Path, nargs="?")
     parser.add_argument("picture", type=Path, nargs="?")
     options = parser.parse_args(arguments)
     name, figures = options.name, FIGURES.get(options.name)
-    picture = options.picture or (ROOT / "docs" if figures else ROOT / "docs" / "report.png")
-    report = options.report or ROOT / "target" / name / "report.html"
+    picture = options.picture or ROOT / "docs" / ("" if figures else "live.png" if name == "live" else "report.png")
+    report = options.report or ROOT / "target" / ("live.html" if name == "live" else f"{name}/report.html")
     if not report.is_file():
         print(f"{report} is missing: run `cargo fmu {name}`", file=sys.stderr)
         return 1
-    take(report, picture, figures)
+    if name == "live":
+        take_live(report, picture)
+    else:
+        take(report, picture, figures)
     print(picture)
     return 0
 

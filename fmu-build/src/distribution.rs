@@ -148,6 +148,15 @@ impl Apt {
                 printed(Command::new("dpkg").arg("-x").arg(&path).arg(folder))?;
             }
         }
+        // The sources of the compiler itself are most of the package.
+        for entry in fs::read_dir(folder.join("usr/src"))? {
+            for part in ["compiler", "src"] {
+                let part = entry.as_ref().map_or(PathBuf::new(), |entry| entry.path().join(part));
+                if part.is_dir() {
+                    fs::remove_dir_all(&part)?;
+                }
+            }
+        }
         Ok(())
     }
 }
@@ -172,11 +181,9 @@ fn program(folder: &Path) -> PathBuf {
 
 /// Writes a script that starts the compiler with its own libraries.
 fn wrap(folder: &Path) -> anyhow::Result<()> {
-    let is_machine = |path: &PathBuf| path.to_string_lossy().contains("-linux-");
-    let folders = fs::read_dir(folder.join("usr/lib"))?.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut folders = fs::read_dir(folder.join("usr/lib"))?.filter_map(|entry| Some(entry.ok()?.path()));
     let libraries = folders
-        .filter(is_machine)
-        .find(|path| path.join("..").is_dir())
+        .find(|path| path.to_string_lossy().ends_with("-linux-gnu"))
         .context("the packages have no libraries")?;
     let script = format!(
         "#!/bin/sh\nLD_LIBRARY_PATH='{}' exec '{}' \"$@\"\n",

@@ -6,6 +6,9 @@
 //! field. The C functions and `modelDescription.xml` come from the table. [`export!`] exports the C
 //! functions; `examples/lag.rs` is a whole FMU.
 //!
+//! Without the default feature `c` there are the table and the description alone, also for machines
+//! without a C library, such as browsers.
+//!
 //! There are no threads, and every instance owns all its data. The only global is the choice of the
 //! library in portable builds (`c::dispatch`).
 

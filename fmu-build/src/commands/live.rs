@@ -59,9 +59,9 @@ fn compile(workspace: &Workspace) -> anyhow::Result<Vec<u8>> {
     let mut command = cargo::command(workspace);
     command.args(["build", "--release", "--locked", "--target", TARGET]);
     if let Err(missing) = portable::ensure_installed(TARGET) {
-        eprintln!("  {missing:#}; the distribution's compiler is used");
-        let distribution = Distribution::prepare(workspace)
-            .with_context(|| format!("there is no compiler for the live page: {missing:#}"))?;
+        eprintln!("  {missing:#}; the distribution's compiler is tried");
+        let distribution =
+            Distribution::prepare(workspace).context("there is no compiler for the live page")?;
         distribution.compile_with(&mut command, TARGET)?;
     }
     let mut flags = vec!["-Ctarget-feature=+simd128".to_owned()];
