@@ -264,12 +264,39 @@ fn symmetric<V: Copy>(half: V, strand: V, arc: V) -> [V; SEGMENTS] {
 
 /// Pulley of each segment: of an arc its own, of a strand the one at its start.
 const PULLEYS: [usize; SEGMENTS] = [0, 0, 1, 1, 0];
-/// Tangent angle at the start of each segment, rad, without its part by φ; that part.
-const STARTS: [f64; SEGMENTS] = [0.0, 0.0, 0.0, 2.0 * PI, 2.0 * PI];
-const STARTS_BY_PHI: [f64; SEGMENTS] = [0.0, 1.0, 1.0, -1.0, -1.0];
-/// The same for its change along each segment.
-const SWEEPS: [f64; SEGMENTS] = [0.0, 0.0, 2.0 * PI, 0.0, 0.0];
-const SWEEPS_BY_PHI: [f64; SEGMENTS] = [1.0, 0.0, -2.0, 0.0, 1.0];
+/// Tangent angle over a segment: its value at the start and its change along it, rad, and the factors
+/// of φ in both.
+struct SegmentAngle {
+    start: f64,
+    start_by_phi: f64,
+    sweep: f64,
+    sweep_by_phi: f64,
+}
+
+impl SegmentAngle {
+    const fn new(start: f64, start_by_phi: f64, sweep: f64, sweep_by_phi: f64) -> Self {
+        Self {
+            start,
+            start_by_phi,
+            sweep,
+            sweep_by_phi,
+        }
+    }
+
+    /// The factor of φ at a fraction of the segment.
+    #[inline(always)]
+    fn by_phi<V: Real>(&self, fraction: V) -> V {
+        fraction * self.sweep_by_phi + self.start_by_phi
+    }
+}
+
+const ANGLES: [SegmentAngle; SEGMENTS] = [
+    SegmentAngle::new(0.0, 0.0, 0.0, 1.0),
+    SegmentAngle::new(0.0, 1.0, 0.0, 0.0),
+    SegmentAngle::new(0.0, 1.0, 2.0 * PI, -2.0),
+    SegmentAngle::new(2.0 * PI, -1.0, 0.0, 0.0),
+    SegmentAngle::new(2.0 * PI, -1.0, 0.0, 1.0),
+];
 
 #[inline(always)]
 fn is_strand(segment: usize) -> bool {
@@ -286,9 +313,9 @@ impl<T: Real> TwoPulleyFrame<T> {
     /// Tangent angle χ at `fraction` of a segment, rad.
     #[inline(always)]
     pub fn angle(&self, segment: usize, fraction: T::Constant) -> Jet<T> {
-        let by_phi = fraction * SWEEPS_BY_PHI[segment] + STARTS_BY_PHI[segment];
-        let mut chi = self.turn.plus_scaled(self.phi, by_phi);
-        chi.v += T::constant(fraction * SWEEPS[segment] + STARTS[segment]);
+        let angle = &ANGLES[segment];
+        let mut chi = self.turn.plus_scaled(self.phi, angle.by_phi(fraction));
+        chi.v += T::constant(fraction * angle.sweep + angle.start);
         chi
     }
 
@@ -357,7 +384,7 @@ impl<T: Real> TwoPulleyFrame<T> {
                 (start + along * fraction, T::zero())
             } else {
                 let pulley = PULLEYS[segment];
-                let chi = (fraction * SWEEPS_BY_PHI[segment] + STARTS_BY_PHI[segment]) * d.phi;
+                let chi = ANGLES[segment].by_phi(fraction) * d.phi;
                 let across = n * -d.radius[pulley];
                 (
                     d.centers[pulley] + across + t * ((self.radius[pulley].v + self.growth.v) * chi),

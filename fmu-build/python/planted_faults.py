@@ -1,6 +1,6 @@
 """Plants the faults of `tests/faults.txt` one by one in a copy of the checkout: a test must find each.
 
-    target/venv/bin/python tests/python/planted_faults.py [words of titles]
+    target/venv/bin/python fmu-build/python/planted_faults.py [words of titles]
 
 A block of the list: `# title`, a file, `-` lines of its text, `+` lines instead, `$ command`. The text must be there exactly once; the command must
 pass without the fault and fail with it. The copy, what cargo compiles of it and the log stay in `target/faults`. Python tests need the FMUs in `target`.
