@@ -42,11 +42,7 @@ fn row(oil: [f64; 5], ring: RingModel) -> Result<(), Box<dyn Error>> {
     let [suction, thickness, roughness, damping, squeeze] = oil;
     print!(
         "| {} | {suction} | {:.3} | {:.3} | {damping} | {squeeze} | {:.1} |",
-        if ring == RingModel::Ale0 {
-            "`ALE0`"
-        } else {
-            "`ALE`"
-        },
+        if ring == RingModel::Ale0 { "`ALE0`" } else { "`ALE`" },
         1e6 * thickness,
         1e6 * roughness,
         film::least_push(&variator)?
@@ -87,12 +83,5 @@ fn main() -> Result<(), Box<dyn Error>> {
         *value = text.parse()?;
     }
     let of_circles = arguments.get(5).is_some_and(|name| name == "ALE0");
-    row(
-        oil,
-        if of_circles {
-            RingModel::Ale0
-        } else {
-            RingModel::Ale
-        },
-    )
+    row(oil, if of_circles { RingModel::Ale0 } else { RingModel::Ale })
 }

@@ -2,13 +2,12 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
+use pushbelt::unit::VariatorUnit;
+use pushbelt_support::shared_library::{ERROR, Functions, Library, OK, WARNING, count, reference};
 use std::ffi::CString;
 use std::process::Command;
 use std::ptr::{null, null_mut};
 use std::thread;
-
-use pushbelt::unit::VariatorUnit;
-use pushbelt_support::shared_library::{ERROR, Functions, Library, OK, WARNING, count, reference};
 
 /// Stack that `docs/interface.md` asks of hosts, kB: less than 288 is too little. The dev profile,
 /// whose need was not measured, inlines less.

@@ -4,9 +4,8 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-use std::path::Path;
-
 use pushbelt_support::shared_library::{Functions, Library, OK, count, path};
+use std::path::Path;
 
 /// Bytes of memory of this process that are in use.
 fn resident() -> u64 {

@@ -69,11 +69,7 @@ fn main() -> ExitCode {
             failed = true;
         }
     }
-    if failed {
-        ExitCode::FAILURE
-    } else {
-        ExitCode::SUCCESS
-    }
+    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
 fn case(arguments: &Arguments, name: &str) -> Result<Case, Box<dyn Error>> {
@@ -165,11 +161,7 @@ fn progress(run: &Run, steps_per_second: f64) {
     let (time, percent) = (machine.time, 100.0 * machine.time / duration);
     let speed = steps_per_second * machine.law.count as f64;
     let left = (duration - time) / machine.dt / steps_per_second;
-    let last = if std::io::stderr().is_terminal() {
-        "\r"
-    } else {
-        "\n"
-    };
+    let last = if std::io::stderr().is_terminal() { "\r" } else { "\n" };
     eprint!("{} {percent:3.0} %, {time:.4} s, ", run.case.name);
     eprint!("{speed:.2e} element steps a second, {left:.0} s left   {last}");
     let _ = std::io::stderr().flush();

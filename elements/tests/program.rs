@@ -70,11 +70,7 @@ fn bad_input_is_one_line_and_no_run() {
         ("medium-0.4", "--step=1", "step"),
         ("medium-0.4", "--film=0", "film"),
     ] {
-        let words = if word.is_empty() {
-            vec![name]
-        } else {
-            vec![name, word]
-        };
+        let words = if word.is_empty() { vec![name] } else { vec![name, word] };
         let (output, errors) = run(&place, &words);
         assert!(
             !output.status.success() && errors.contains(expected),

@@ -95,11 +95,7 @@ impl Point {
 
     /// Whether the slip is beyond that at capacity: the belt slips through.
     pub fn macro_slip(&self) -> bool {
-        let sliding = if self.ahead >= 0.5 {
-            self.sliding
-        } else {
-            -self.sliding
-        };
+        let sliding = if self.ahead >= 0.5 { self.sliding } else { -self.sliding };
         (sliding / self.capacity(sliding).sliding).abs() > 1.0
     }
 

@@ -73,11 +73,7 @@ impl MapUnit {
             while end > self.time {
                 let rest = end - self.time;
                 let count = (rest / longest - 1e-9).ceil().max(1.0);
-                let next = if count == 1.0 {
-                    end
-                } else {
-                    self.time + rest / count
-                };
+                let next = if count == 1.0 { end } else { self.time + rest / count };
                 steps += 1.0;
                 if self.step(next - self.time, &inputs.evaluate(next)).is_some() {
                     self.time = next;

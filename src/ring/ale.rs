@@ -115,9 +115,7 @@ pub fn add_elasticity<T: Real, const D: usize>(
     }
     load.drift += viscous * point.strain_gradient;
     let kappa_theta = kappa_theta(reference, &point.slope, &point.bend, 1.0);
-    let RingDensity {
-        membrane, bending, ..
-    } = density(ring, point);
+    let RingDensity { membrane, bending, .. } = density(ring, point);
     load.theta += moment * kappa_theta + (membrane + bending) * dilation;
     tension
 }

@@ -95,11 +95,7 @@ impl Layers {
 pub(super) fn slip(radii: PerPulley<f64>, speed: f64) -> (Pulley, f64) {
     let difference = curvature_difference(radii);
     let lean = difference * inverse_magnitude(difference);
-    let pulley = if lean < 0.0 {
-        Pulley::Primary
-    } else {
-        Pulley::Secondary
-    };
+    let pulley = if lean < 0.0 { Pulley::Primary } else { Pulley::Secondary };
     (pulley, (lean * direction(speed)).abs())
 }
 

@@ -110,11 +110,7 @@ fn outer_tension(
     }
     mean_shape /= length;
     let borne = layers.friction * (mean - centrifugal).max(0.0) * secondary.min(primary);
-    let fraction = if borne < high - low {
-        borne / (high - low)
-    } else {
-        1.0
-    };
+    let fraction = if borne < high - low { borne / (high - low) } else { 1.0 };
     for (part, along) in parts.iter().zip(along) {
         let slipped = centrifugal + (mean - centrifugal) * *along / mean_shape;
         let stuck = mean + fraction * (part.tension - mean);

@@ -1,12 +1,11 @@
 //! Derivatives of inputs and outputs against differences.
 
+use crate::importer::Handles;
+use crate::variator::{Importer, ramp};
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::Version::Two;
 use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
-
-use crate::importer::Handles;
-use crate::variator::{Importer, ramp};
 
 /// A torque that rises within the step: with its derivative the speeds follow in second order of
 /// the communication step, without it (held at the start of each step) in first order.

@@ -1,10 +1,9 @@
 //! Events of a belt in FMI 3.0: slip that begins and ends, end stops; early return and event mode.
 
-use pushbelt::fmi::Version::Three;
-use pushbelt::fmi::log::Status::Ok;
-
 use crate::importer::{Ended, Handles};
 use crate::variator::Importer;
+use pushbelt::fmi::Version::Three;
+use pushbelt::fmi::log::Status::Ok;
 
 const EVENTS: Handles<'_> = Handles {
     events: true,

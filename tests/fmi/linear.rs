@@ -1,15 +1,13 @@
 //! The linear model as a C program gets it.
 
-use std::ffi::CStr;
-use std::ptr::null_mut;
-
+use crate::importer::Handles;
+use crate::variator::{Importer, real_outputs};
 use pushbelt::fmi::Version::Two;
 use pushbelt::fmi::log::Status::{self, Error, Ok, Warning};
 use pushbelt_library::linear::{pushbeltFreeText, pushbeltLinearize};
 use serde_json::Value;
-
-use crate::importer::Handles;
-use crate::variator::{Importer, real_outputs};
+use std::ffi::CStr;
+use std::ptr::null_mut;
 
 /// Status and text of a call.
 fn text(importer: &Importer, frequency: f64) -> (Status, Option<String>) {

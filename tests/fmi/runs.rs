@@ -1,8 +1,8 @@
 //! Runs of a variator: the same bits in both versions, in every thread, and steps that can't be
 //! done.
 
-use std::thread;
-
+use crate::importer::{BOTH, Handles};
+use crate::variator::{Importer, reference};
 use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt::fmi::log::Status::{Discard, Ok};
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
@@ -10,9 +10,7 @@ use pushbelt_support::checks::assert_close;
 use pushbelt_support::manoeuvre::Manoeuvre;
 use pushbelt_support::run::started;
 use pushbelt_support::variators::mesh;
-
-use crate::importer::{BOTH, Handles};
-use crate::variator::{Importer, reference};
+use std::thread;
 
 #[test]
 fn outputs_are_those_of_the_library() {

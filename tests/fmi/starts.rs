@@ -1,14 +1,12 @@
 //! Starts: what can hardly be meant, start values in the resources.
 
-use std::fs;
-
+use crate::importer::{BOTH, Handles};
+use crate::variator::{Importer, reference};
 use pushbelt::fmi::log::Status::{Error, Ok};
 use pushbelt::fmi::start_file::FILE;
 use pushbelt::fmi::unit::Experiment;
 use pushbelt_support::shared_library::{Library, OK, path};
-
-use crate::importer::{BOTH, Handles};
-use crate::variator::{Importer, reference};
+use std::fs;
 
 /// The log has what can hardly be meant, as a warning; a hopeless start is an error that names
 /// variable and value.

@@ -1,11 +1,10 @@
 //! Stored states of a running belt, and their bytes.
 
+use crate::importer::Handles;
+use crate::variator::{Importer, ramp, real_outputs, reference};
 use pushbelt::fmi::Version::{Three, Two};
 use pushbelt::fmi::hash;
 use pushbelt::fmi::log::Status::{Error, Ok};
-
-use crate::importer::Handles;
-use crate::variator::{Importer, ramp, real_outputs, reference};
 
 /// In the ramp of the loads and after it, with a parameter that is not yet in force, also in the
 /// other version.

@@ -1,13 +1,11 @@
 //! Intermediate updates at the variator's own steps.
 
-use std::cell::RefCell;
-use std::rc::Rc;
-
-use pushbelt::fmi::Version::Three;
-use pushbelt::fmi::log::Status::Ok;
-
 use crate::importer::Handles;
 use crate::variator::{Importer, reference};
+use pushbelt::fmi::Version::Three;
+use pushbelt::fmi::log::Status::Ok;
+use std::cell::RefCell;
+use std::rc::Rc;
 
 /// An importer that is called back and may return early.
 fn watching(early_return: bool) -> Importer {

@@ -1,13 +1,12 @@
 //! Dependencies of the outputs in initialisation mode: those that the table declares, and those
 //! that are found by changes of each setting.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::table::{Causality, Kind, Table, Value, Variable};
 use pushbelt::fmi::unit::Experiment;
 use pushbelt::unit::{Settings, VariatorUnit};
 use pushbelt::variator::settings::Readings;
+use std::collections::{BTreeMap, BTreeSet};
 
 type Row = Variable<Settings, Readings>;
 

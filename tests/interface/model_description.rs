@@ -1,12 +1,11 @@
 //! The checked-in model description, and rules for it that validators of FMI don't check.
 
-use std::collections::BTreeSet;
-use std::path::Path;
-
 use pushbelt::fmi::table::{Causality, Kind, Value};
 use pushbelt::fmi::{Unit, Version};
 use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, model_description, terminals};
 use pushbelt::variator::settings::range_of;
+use std::collections::BTreeSet;
+use std::path::Path;
 
 #[test]
 fn the_checked_in_files_are_generated_from_the_table() {

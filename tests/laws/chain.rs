@@ -1,5 +1,6 @@
 //! The stack of push elements.
 
+use crate::assert_near;
 use pushbelt::ring::kinematics::WithRate;
 use pushbelt::scalar::Dual;
 use pushbelt::stack::{
@@ -7,8 +8,6 @@ use pushbelt::stack::{
 };
 use pushbelt_support::laws::belt;
 use pushbelt_support::noise;
-
-use crate::assert_near;
 
 fn push(belt: &PushElements, value: f64, rate: f64) -> Push<f64> {
     push_force(belt, WithRate { value, rate })

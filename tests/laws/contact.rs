@@ -1,11 +1,10 @@
 //! Flank contact.
 
+use crate::{assert_near, slope};
 use pushbelt::contact::{FlankForce, FlankMotion, energy_density, flank_force};
 use pushbelt::scalar::{Dual, Real, Tangent};
 use pushbelt_support::laws::{contact, cos_beta, friction};
 use pushbelt_support::noise;
-
-use crate::{assert_near, slope};
 
 const MICRON: f64 = 1e-6;
 

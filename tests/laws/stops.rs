@@ -1,9 +1,8 @@
 //! End stops of the movable sheaves.
 
+use crate::assert_near;
 use pushbelt::pulley::{STOP_DAMPING, STOP_SMOOTHING, STOP_STIFFNESS};
 use pushbelt_support::laws::{Travel, integral};
-
-use crate::assert_near;
 
 const TRAVEL: Travel = Travel {
     open: -8e-3,

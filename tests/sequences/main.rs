@@ -17,8 +17,6 @@ mod random_importer;
 #[path = "../fmi/variator.rs"]
 mod variator;
 
-use std::process::{Command, ExitCode, Stdio};
-
 use libtest_mimic::{Arguments, Failed, Trial};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -26,8 +24,8 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use pushbelt::fmi as layer;
 use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt_support::shared_library::count;
-
 use random_importer::{RandomImporter, Seen};
+use std::process::{Command, ExitCode, Stdio};
 
 /// Sequences of up to `length` calls.
 fn check(version: Version, cases: u32, length: usize, coarse: bool) {

@@ -2,19 +2,17 @@
 //! toy in `crates/fmi`; here is what a belt alone can show: no call ends in a panic, a refused call
 //! has a reason in the log, and all values are numbers.
 
-use std::cell::Cell;
-use std::ptr::null_mut;
-
+use crate::calls::{Answer, Call, INTEGERS, REALS, SLOTS};
+use crate::importer::{Handles, Stored, Update};
+use crate::variator::{Importer, real_outputs, reference};
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt::fmi::log::Status;
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
 use pushbelt_library::linear::{pushbeltFreeText, pushbeltLinearize};
-
-use crate::calls::{Answer, Call, INTEGERS, REALS, SLOTS};
-use crate::importer::{Handles, Stored, Update};
-use crate::variator::{Importer, real_outputs, reference};
+use std::cell::Cell;
+use std::ptr::null_mut;
 
 /// Counts of situations in the sequences, so that a test can require each of them.
 #[derive(Debug, Default)]

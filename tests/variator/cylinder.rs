@@ -22,10 +22,7 @@ const CYLINDER: Cylinder = Cylinder {
     centrifugal: 0.01,
     seal: 200.0,
 };
-const SMOOTH: Cylinder = Cylinder {
-    seal: 0.0,
-    ..CYLINDER
-};
+const SMOOTH: Cylinder = Cylinder { seal: 0.0, ..CYLINDER };
 
 fn with(mut parameters: Parameters, cylinder: Cylinder) -> Parameters {
     (parameters.primary.cylinder, parameters.secondary.cylinder) = (cylinder, cylinder);

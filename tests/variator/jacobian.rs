@@ -1,7 +1,5 @@
 //! The Jacobian of the assembled variator: against differences, and its updates.
 
-use std::sync::Arc;
-
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
 use pushbelt::variator::ring_models::{Ale, Ale0, BeltRing, eulerian_equations};
@@ -11,6 +9,7 @@ use pushbelt_support::disturbed::{
     Equations, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_tangents, disturbed,
     product, small,
 };
+use std::sync::Arc;
 
 pub const KINDS: [BeltKind; 2] = [BeltKind::PushBelt, BeltKind::PullChain];
 

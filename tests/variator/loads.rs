@@ -1,7 +1,5 @@
 //! Loads with jumps, ripple or noise: their work, and ramps of inputs.
 
-use std::f64::consts::TAU;
-
 use pushbelt::pulley::Pulley;
 use pushbelt::solver::System;
 use pushbelt::variator::pulleys::loads::Loads;
@@ -12,6 +10,7 @@ use pushbelt_support::loads::{Driven, LOADS, LoadHistory};
 use pushbelt_support::noise;
 use pushbelt_support::run::{Run, restored, started};
 use pushbelt_support::variators::{coarse, inputs, variator};
+use std::f64::consts::TAU;
 
 /// Time for which each load acts, s.
 const SPAN: f64 = 0.2;

@@ -1,8 +1,7 @@
 //! Drag of the shafts, friction between the layers of the ring, and elements that start and stop
 //! turning: their values, the energy balance with them, and agreement with their laws.
 
-use std::f64::consts::TAU;
-
+use crate::jacobian::{KINDS, variators};
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::System;
 use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
@@ -14,8 +13,7 @@ use pushbelt_support::load_cases::clamping;
 use pushbelt_support::run::Run;
 use pushbelt_support::steady::{Steady, loaded, transmitting};
 use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
-
-use crate::jacobian::{KINDS, variators};
+use std::f64::consts::TAU;
 
 /// 1 rpm, rad/s.
 const RPM: f64 = TAU / 60.0;
@@ -68,11 +66,7 @@ fn pressing(state: &Steady) -> PerPulley<f64> {
     let mut sums = PerPulley::default();
     for at in state.stations() {
         let primary = at.segment == 2;
-        let pulley = if primary {
-            Pulley::Primary
-        } else {
-            Pulley::Secondary
-        };
+        let pulley = if primary { Pulley::Primary } else { Pulley::Secondary };
         let s = at.sample;
         sums[pulley] += (s.tension - centrifugal) * s.curvature * s.weight;
     }
@@ -204,7 +198,8 @@ fn each_loss_is_zero_without_its_parameters() {
 /// change of the stored energy, in any state: each is the power of its own force.
 #[test]
 fn losses_and_energies_are_the_power_of_their_forces() {
-    let changes: [(&str, fn(&mut Parameters)); 17] = [
+    type Change = fn(&mut Parameters);
+    let changes: [(&str, Change); 17] = [
         ("damping of the ring", |p| p.ring.damping *= 9.0),
         ("friction of flanks", |p| p.friction.pulley *= 0.5),
         ("friction of the ring", |p| p.friction.ring *= 3.0),

@@ -191,11 +191,7 @@ impl Range {
 
     /// The allowed values, for an error text.
     fn text(&self, unit: &str) -> String {
-        let unit = if unit == "1" {
-            String::new()
-        } else {
-            format!(" {unit}")
-        };
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         match (self.min, self.max) {
             (Some(min), Some(max)) => format!("{min} to {max}{unit}"),
             (Some(min), None) => format!("at least {min}{unit}"),

@@ -33,9 +33,5 @@ pub(super) fn set_last(steps: &mut [Step], correction: &[f64], scale: &[f64]) ->
     }
     last.square = step.norm_squared();
     let change = largest(step.as_slice());
-    if last.square.is_finite() {
-        change
-    } else {
-        f64::INFINITY
-    }
+    if last.square.is_finite() { change } else { f64::INFINITY }
 }

@@ -92,10 +92,7 @@ pub struct Factors {
 
 impl Factors {
     /// Those of ∂F/∂y alone.
-    pub const ZERO: Self = Self {
-        alpha: 0.0,
-        beta: 0.0,
-    };
+    pub const ZERO: Self = Self { alpha: 0.0, beta: 0.0 };
 }
 
 /// An implicit system.

@@ -138,10 +138,7 @@ impl Sdirk {
         archive.indices(std::slice::from_mut(&mut self.open), 3);
         if self.open > 0 {
             let Stage {
-                base,
-                position,
-                state,
-                ..
+                base, position, state, ..
             } = &mut self.stages[self.open - 1];
             state.serialize(archive);
             archive.reals(base);

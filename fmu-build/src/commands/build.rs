@@ -65,11 +65,7 @@ pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<(
     if options.paper {
         return run_paper(workspace).map(drop);
     }
-    let version = if options.fmi3 {
-        Version::Three
-    } else {
-        Version::Two
-    };
+    let version = if options.fmi3 { Version::Three } else { Version::Two };
     if options.map {
         return run_map(workspace, version).map(drop);
     }

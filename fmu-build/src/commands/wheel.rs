@@ -87,14 +87,7 @@ fn beside(fmu: &Path) -> anyhow::Result<Vec<(PathBuf, String)>> {
     let folder = fmu.parent().context("a file has a folder")?;
     let found = names().map(|(identifier, version, name)| {
         let is_first = identifier == MODEL_IDENTIFIER && version == Version::Two;
-        (
-            if is_first {
-                fmu.to_owned()
-            } else {
-                folder.join(&name)
-            },
-            name,
-        )
+        (if is_first { fmu.to_owned() } else { folder.join(&name) }, name)
     });
     Ok(found.filter(|(path, _)| path == fmu || path.is_file()).collect())
 }

@@ -7,11 +7,7 @@ use pushbelt_map_unit::unit::MapUnit;
 
 fn main() -> Result<(), String> {
     let [version, folder] = [1, 2].map(|k| std::env::args().nth(k).unwrap_or_default());
-    let version = if version == "3" {
-        Version::Three
-    } else {
-        Version::Two
-    };
+    let version = if version == "3" { Version::Three } else { Version::Two };
     let settings = MapUnit::load(Some(folder.as_ref()))?;
     print!("{}", model_description::<MapUnit>(version, MapUnit::data(&settings)));
     Ok(())

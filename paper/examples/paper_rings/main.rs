@@ -291,11 +291,8 @@ fn reference_motion(jobs: &mut Vec<Job>, plan: Plan) {
     });
     job(jobs, "ALE0: reference oscillation", move |tables| {
         let mesh = RingMesh::even(&[2, 2, 4, 2, 2], 5);
-        let Oscillation {
-            system,
-            record,
-            swing,
-        } = reference_oscillation(solid_curve(), mesh, 0.1 * plan.tolerance);
+        let Oscillation { system, record, swing } =
+            reference_oscillation(solid_curve(), mesh, 0.1 * plan.tolerance);
         let (low, high) = record.ratios();
         let drift = record.energy_drift() / swing;
         tables.check("2", "energy drift, of the swing's energy", ALE0, drift, 0.0, 1.0e-3);
@@ -330,11 +327,7 @@ fn reference_motion(jobs: &mut Vec<Job>, plan: Plan) {
 
 /// The reference oscillation on a mesh that follows the arcs or does not.
 fn swing<C: ReferenceCurve + Debug>(tables: &mut Tables, name: &str, curve: C, mesh: RingMesh) {
-    let Oscillation {
-        system,
-        record,
-        swing,
-    } = reference_oscillation(curve, mesh, 1.0e-7);
+    let Oscillation { system, record, swing } = reference_oscillation(curve, mesh, 1.0e-7);
     let drift = record.energy_drift() / swing;
     tables.report("2", "energy drift, of the swing's energy", name, drift, None);
     tables.record("6", name, &solid_curve(), &system, &record);
@@ -348,11 +341,7 @@ fn belt_rings(jobs: &mut Vec<Job>, plan: Plan) {
         let scale = specimen.bending_time() / Specimen::thick().bending_time();
         let mesh = RingMesh::even(&[2, 2, 4, 2, 2], 5);
         let system = RingSystem::new(AleRing::rigid(specimen.ring.clone(), specimen.curve.clone(), mesh));
-        let Oscillation {
-            system,
-            record,
-            swing,
-        } = oscillation(system, 0.1 * plan.tolerance, 2.0e-4 * scale);
+        let Oscillation { system, record, swing } = oscillation(system, 0.1 * plan.tolerance, 2.0e-4 * scale);
         let name = specimen.name;
         let drift = record.energy_drift() / swing;
         let (low, high) = record.ratios();

@@ -96,11 +96,7 @@ pub fn oscillation<C: ReferenceCurve + Debug>(
     let energy = |state: &State| system.energy(state.view()).total();
     let swing = energy(&start) - energy(&system.rest(0.0));
     let record = record(&mut system, start, 0.05 * step, step, 100, 1.0);
-    Oscillation {
-        system,
-        record,
-        swing,
-    }
+    Oscillation { system, record, swing }
 }
 
 /// Error of Θ after 5 ms of the reference oscillation with fixed steps.

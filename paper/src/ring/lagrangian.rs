@@ -161,11 +161,7 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     /// A strain rate, or zero without damping.
     #[inline(always)]
     fn damped<T: Real>(&self, rate: impl FnOnce() -> T) -> T {
-        if self.ring.damping == 0.0 {
-            T::zero()
-        } else {
-            rate()
-        }
+        if self.ring.damping == 0.0 { T::zero() } else { rate() }
     }
 
     /// Balance of an element with these unknowns, the same function for all elements.

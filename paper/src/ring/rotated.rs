@@ -48,10 +48,7 @@ impl<T: Real> RotatedElement<T> {
             node.rate.b += embed(a * rate + a_dot * k.v);
             node.acceleration.b += embed(a * acceleration + a_dot * (rate * 2.0) + a_ddot * k.v);
         }
-        Self {
-            curvature,
-            deflection,
-        }
+        Self { curvature, deflection }
     }
 
     /// Converts conjugates of d' to those of the nodes' e and of Θ.

@@ -98,10 +98,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
         let (stretch, inverse_stretch) = slope.dot(&slope).root_and_inverse();
         let t = slope * inverse_stretch;
         let n = inward_normal(&t);
-        let WithRate {
-            value: w,
-            rate: w_dot,
-        } = motion.material_speed(&reference.xi);
+        let WithRate { value: w, rate: w_dot } = motion.material_speed(&reference.xi);
         Self {
             reference,
             r,

@@ -44,11 +44,7 @@ fn parts_with(tension: impl Fn(Pulley, f64) -> f64) -> Vec<RingPart> {
     let section = |(pulley, count, turning, start): (Pulley, usize, f64, f64)| {
         let turning = turning / count as f64;
         let on_arc = turning * (RADII[pulley] + 1e-3);
-        let length = if turning > 0.0 {
-            on_arc
-        } else {
-            0.16 / count as f64
-        };
+        let length = if turning > 0.0 { on_arc } else { 0.16 / count as f64 };
         let part = |k: usize| RingPart {
             xi: 0.0,
             length,

@@ -98,10 +98,7 @@ impl<T: Real> CellState<T> {
         points: &mut CellPoints<T, D>,
     ) -> Self {
         let CellInput {
-            law,
-            geometry,
-            motion,
-            ..
+            law, geometry, motion, ..
         } = *given;
         let e = law.stack.pitch_offset;
         let theta_dot = motion.reference.theta.rate;

@@ -151,11 +151,7 @@ impl Observer {
         let gap = |k: usize| thickness * (self.stations[k].density.recip() - 1.0).max(0.0);
         let sliding = |k: usize| {
             let sample = &self.stations[k];
-            if sample.normal > UNLOADED {
-                sample.sliding
-            } else {
-                0.0
-            }
+            if sample.normal > UNLOADED { sample.sliding } else { 0.0 }
         };
         let (mut station, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
@@ -243,11 +239,7 @@ fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) 
         if sample.on_arc() {
             continue;
         }
-        let towards_primary = if sample.xi < 0.5 * length_of_belt {
-            1.0
-        } else {
-            -1.0
-        };
+        let towards_primary = if sample.xi < 0.5 * length_of_belt { 1.0 } else { -1.0 };
         rise += towards_primary * sample.lateral_slope * sample.weight;
         length += sample.weight;
     }
@@ -298,11 +290,7 @@ impl Bracket {
         let from = position(&list[left]) - if *next == 0 { length } else { 0.0 };
         let to = position(&list[right]) + if *next == n { length } else { 0.0 };
         let fraction = ((xi - from) / (to - from)).clamp(0.0, 1.0);
-        Self {
-            left,
-            right,
-            fraction,
-        }
+        Self { left, right, fraction }
     }
 
     fn interpolate(&self, value: impl Fn(usize) -> f64) -> f64 {

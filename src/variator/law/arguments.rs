@@ -290,11 +290,7 @@ impl<T: Real> CellGeometry<'_, T> {
     #[inline(always)]
     #[must_use]
     pub fn point(&self, at: usize) -> &Station<T::Constant> {
-        if at == 0 {
-            self.face
-        } else {
-            &self.stations[at - 1]
-        }
+        if at == 0 { self.face } else { &self.stations[at - 1] }
     }
 
     /// Fraction of the segment at the face or a station.

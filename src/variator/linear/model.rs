@@ -142,10 +142,7 @@ fn derivatives_along(
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Vec<f64> {
     let WorkingPoint {
-        system,
-        state,
-        inputs,
-        ..
+        system, state, inputs, ..
     } = point;
     let n = direction.y.len();
     let (mut velocity, mut position) = (vec![0.0; n], vec![0.0; n]);

@@ -207,11 +207,7 @@ impl Layout {
     /// Indices of the rates of the coordinates of displaced centres, if there are any.
     #[must_use]
     pub fn centres(&self) -> Range<usize> {
-        let end = if self.has_tension() {
-            self.len()
-        } else {
-            self.centre(0)
-        };
+        let end = if self.has_tension() { self.len() } else { self.centre(0) };
         self.centre(0)..end
     }
 

@@ -68,11 +68,7 @@ impl RealTime {
     ) {
         let from = simulation.time;
         let parts = ((to - from) / MILLISECOND - ROUNDING).ceil();
-        let clock = if parts > 1.0 {
-            from + (to - from) / parts
-        } else {
-            to
-        };
+        let clock = if parts > 1.0 { from + (to - from) / parts } else { to };
         let since = self.reached + self.open.unwrap_or_default();
         self.waiting = joined(&self.waiting, since, from, profile, clock);
         let effort = f64::from(simulation.system.parameters.solver.effort);
@@ -81,11 +77,7 @@ impl RealTime {
             remaining.min(REAL_TIME.spare) + effort * REAL_TIME.effort * ((clock - from) / MILLISECOND);
         simulation.time = self.reached;
         simulation.restore(self.inputs);
-        let wider = if self.open.is_some() {
-            REAL_TIME.widening
-        } else {
-            1.0
-        };
+        let wider = if self.open.is_some() { REAL_TIME.widening } else { 1.0 };
         sdirk.newton_tolerance = wider * REAL_TIME.tolerance;
         while self.behind(clock) > SHORTEST_STEP && self.step(sdirk, simulation, clock) {}
         let skipped = self.behind(clock) - REAL_TIME.behind;

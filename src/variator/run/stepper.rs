@@ -82,9 +82,7 @@ impl Stepper {
 
     /// One own step of a communication step. In real time there is no error.
     pub fn step(&mut self, simulation: &mut Simulation, of: &mut CommunicationStep) -> Result<(), StepError> {
-        let CommunicationStep {
-            from, to, profile, ..
-        } = *of;
+        let CommunicationStep { from, to, profile, .. } = *of;
         if let Some(real_time) = &mut self.real_time {
             real_time.advance(&mut self.sdirk, simulation, &profile, to);
             of.is_over = simulation.time == to;

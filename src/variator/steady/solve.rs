@@ -147,11 +147,7 @@ impl SteadySolver<'_> {
         let mut x = task.ratio.ln();
         let mut f = defect(self.system, state);
         // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
-        let mut slope = if task.reaction == Pulley::Primary {
-            0.5
-        } else {
-            -0.5
-        };
+        let mut slope = if task.reaction == Pulley::Primary { 0.5 } else { -0.5 };
         for _ in 0..MOST_SOLVES {
             let balances = f.abs() < FORCE_ERROR;
             let wanted = x - f / slope;

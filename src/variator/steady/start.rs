@@ -51,11 +51,7 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     let length = belt.curve.length() - TAU * e;
     let density = 1.0 - law.stack.play / length;
     // The pins of a chain have no unknowns of their own.
-    let cells: &[Cell] = if law.is_pull_chain() {
-        &[]
-    } else {
-        &belt.mesh.cells
-    };
+    let cells: &[Cell] = if law.is_pull_chain() { &[] } else { &belt.mesh.cells };
     for (i, cell) in cells.iter().enumerate() {
         let ring = belt.element_length(&frame, cell.element) / layout.cells_per_element as f64;
         state.y[layout.content(i)] = density * ring * (1.0 - e * mean_curvature(belt, &frame, cell));

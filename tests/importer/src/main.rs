@@ -4,7 +4,6 @@
 
 use std::collections::HashMap;
 use std::error::Error;
-
 use fmu_runner::{Fmu, FmuInstance, fmi2Type};
 
 /// Inputs, and their values, which differ from the start values.

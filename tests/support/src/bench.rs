@@ -1,8 +1,8 @@
 //! What the benchmarks share: rows of their tables, and times of manoeuvres and of the parts of a
 //! step. Times are processor time of the thread.
 
-use std::hint::black_box;
-
+use crate::load_cases::pair;
+use crate::variators::SPEED;
 use cpu_time::ThreadTime;
 use pushbelt::solver::System;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
@@ -11,9 +11,7 @@ use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
-
-use crate::load_cases::pair;
-use crate::variators::SPEED;
+use std::hint::black_box;
 
 /// Communication step of the manoeuvre, s.
 pub const STEP: f64 = 1e-3;

@@ -1,8 +1,8 @@
 //! A small variator far from any steady state, and its derivatives: against differences, and with
 //! updated constitutive tangents.
 
-use std::sync::Arc;
-
+use crate::differences::compare;
+use crate::noise;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::Factors;
 use pushbelt::solver::arrow::Arrow;
@@ -12,9 +12,7 @@ use pushbelt::variator::ring_models::{Assembly, Belt, BeltRing, InForce, Resulta
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
-
-use crate::differences::compare;
-use crate::noise;
+use std::sync::Arc;
 
 /// Time of the residual, s: the loads are constant.
 pub const TIME: f64 = 0.0;

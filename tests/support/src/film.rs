@@ -2,16 +2,14 @@
 //! `examples/film.rs` and tests. The variators are those of [`film_variator`], as they are or
 //! changed.
 
-use std::error::Error;
-
+use crate::steady::stations;
+use crate::variators::{SPEED, variator};
 use pushbelt::contact::full_slip_torque;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{
     Axial, Drive, Inputs, Outputs, Parameters, RingModel, ShaftDrag, StartState,
 };
-
-use crate::steady::stations;
-use crate::variators::{SPEED, variator};
+use std::error::Error;
 
 /// The oil between the elements: `belt.suction`, N, `belt.filmThickness`, m, `belt.roughness`, m,
 /// `belt.filmDamping`, N·s, and `belt.squeezeDamping`, N·s.

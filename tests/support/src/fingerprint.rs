@@ -1,13 +1,12 @@
 //! A hash of every output bit of a run, for programs that compare two builds bit by bit.
 
-use std::error::Error;
-use std::hash::{DefaultHasher, Hasher};
-
 use pushbelt::fmi::table::{Table, Value, Variable};
 use pushbelt::fmi::unit::Unit;
 use pushbelt::unit::{Settings, VariatorUnit};
 use pushbelt::variator::Variator;
 use pushbelt::variator::settings::{Inputs, Outputs, Profile, Readings};
+use std::error::Error;
+use std::hash::{DefaultHasher, Hasher};
 
 /// Communication step, s.
 pub const STEP: f64 = 1e-3;

@@ -1,15 +1,13 @@
 //! Loads as in drivetrains: jumps, ripple, noise, each with a vehicle on the secondary shaft and a
 //! controller of the ratio by the primary force.
 
-use std::f64::consts::TAU;
-
-use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
-
 use crate::load_cases::clamping;
 use crate::noise;
 use crate::run::started;
 use crate::variators::{SPEED, inputs};
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
+use std::f64::consts::TAU;
 
 /// Load on the variator as a function of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

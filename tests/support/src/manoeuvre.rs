@@ -1,9 +1,8 @@
 //! The manoeuvre in the resources of the FMU.
 
+use crate::variators::inputs;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::Parameters;
-
-use crate::variators::inputs;
 
 /// Lines of `resources/manoeuvre.csv`: time, torques of P and S, clamping forces of P and S; linear
 /// between lines.

@@ -1,11 +1,10 @@
 //! Runs with the energy balance and the balance of the element content.
 
-use std::sync::Arc;
-
 use pushbelt::archive::Archive;
 use pushbelt::variator::ring_models::BeltRing;
 use pushbelt::variator::run::{Message, Variator};
 use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
+use std::sync::Arc;
 
 /// A variator in its start state.
 pub fn started(parameters: Parameters, inputs: &Inputs) -> Variator {

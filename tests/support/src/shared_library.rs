@@ -2,17 +2,15 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-use std::ffi::{CString, c_char, c_int, c_uint, c_void};
-use std::path::{Path, PathBuf};
-use std::ptr::null;
-
+use crate::shared_library3::Functions3;
 use libloading::Library as Loaded;
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::fmi2::{CallbackFunctions, Component, FmuState};
 use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
-
-use crate::shared_library3::Functions3;
+use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::path::{Path, PathBuf};
+use std::ptr::null;
 
 pub const OK: c_int = 0;
 pub const WARNING: c_int = 1;

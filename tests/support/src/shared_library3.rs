@@ -2,15 +2,13 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-use std::ffi::{CString, c_char, c_int, c_void};
-use std::ptr::{null, null_mut};
-
+use crate::shared_library::functions;
 use pushbelt::fmi::fmi3::{
     Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,
 };
 use pushbelt::unit::VariatorUnit;
-
-use crate::shared_library::functions;
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::ptr::{null, null_mut};
 
 /// Statuses as the library returns them.
 type Status = c_int;

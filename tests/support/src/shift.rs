@@ -1,9 +1,8 @@
 //! The rate of the ratio after a step of the primary clamping force.
 
-use pushbelt::variator::settings::{Drive, RingModel};
-
 use crate::run::Run;
 use crate::variators::{inputs, variator};
+use pushbelt::variator::settings::{Drive, RingModel};
 
 /// 1000 rpm, rad/s.
 const SPEED: f64 = 104.72;

@@ -1,7 +1,7 @@
 //! Steady states, with the fields along the belt.
 
-use std::sync::Arc;
-
+use crate::load_cases::{LoadCase, given, pair, ratio, speeds, transmitted};
+use crate::variators::SPEED;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
@@ -14,9 +14,7 @@ use pushbelt::variator::settings::{Outputs, Parameters};
 use pushbelt::variator::steady::solve::{SteadySolver, SteadyTask};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
-
-use crate::load_cases::{LoadCase, given, pair, ratio, speeds, transmitted};
-use crate::variators::SPEED;
+use std::sync::Arc;
 
 /// A steady state.
 #[derive(Clone, Debug)]

@@ -1,8 +1,7 @@
 //! Comparison of two runs under the same load.
 
-use pushbelt::variator::settings::{Outputs, Parameters};
-
 use crate::loads::{Driven, LoadHistory};
+use pushbelt::variator::settings::{Outputs, Parameters};
 
 /// An output with its name.
 pub type Tracked = (&'static str, fn(&Outputs) -> f64);

@@ -48,17 +48,9 @@ pub(crate) unsafe fn create<U: Unit>(
     contain(ptr::null_mut(), || {
         // SAFETY: it is one of the texts, for which the caller grants this.
         let read = |pointer| unsafe { text(pointer) }.map_err(|error| error.to_string());
-        let Texts {
-            name,
-            token,
-            location,
-        } = texts;
+        let Texts { name, token, location } = texts;
         let (name, token, location) = (read(name), read(token), read(location));
-        let texts = Texts {
-            name,
-            token,
-            location,
-        };
+        let texts = Texts { name, token, location };
         let sink = messages(texts.name.as_ref().ok().and_then(Option::as_deref).unwrap_or_default());
         let function = match version {
             Version::Two => "fmi2Instantiate",

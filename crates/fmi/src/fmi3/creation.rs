@@ -79,10 +79,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
             version: Version::Three,
             events: modes.events,
             early_return: modes.early_return,
-            update: intermediate_update.map(|function| Callback {
-                function,
-                environment,
-            }),
+            update: intermediate_update.map(|function| Callback { function, environment }),
             sets_inputs,
             intermediate,
         })

@@ -84,10 +84,7 @@ pub(super) unsafe fn do_step<U: Unit>(
 /// # Safety
 /// The callback can be called with its environment.
 unsafe fn call_back(update: &Update) -> Option<f64> {
-    let Callback {
-        function,
-        environment,
-    } = update.callback;
+    let Callback { function, environment } = update.callback;
     let time = update.time;
     let [set, early] = [update.inputs_may_be_set, update.can_return_early].map(u8::from);
     let (mut requested, mut until) = (0, time);

@@ -110,11 +110,7 @@ impl ArrowLu {
     /// Size of block 0 together with the border: a constant if W > 0.
     #[inline(always)]
     fn border_size<const W: usize>(&self) -> usize {
-        if W > 0 {
-            W
-        } else {
-            self.shape.block + self.shape.border
-        }
+        if W > 0 { W } else { self.shape.block + self.shape.border }
     }
 
     /// [`ArrowLu::factor`] for one size.

@@ -167,11 +167,7 @@ impl Real for f64 {
         let root = (self * self + square).sqrt();
         let sum = root + self.abs();
         // For x ≪ −δ the sum cancels; the quotient form keeps all digits.
-        let value = if self > 0.0 {
-            sum * 0.5
-        } else {
-            (0.5 * square) / sum
-        };
+        let value = if self > 0.0 { sum * 0.5 } else { (0.5 * square) / sum };
         PositivePart {
             value,
             slope: value / root,

@@ -6,11 +6,7 @@ use super::super::arrow::{Arrow, ArrowLu, Shape};
 use super::numbers;
 
 const fn shape(blocks: usize, block: usize, border: usize) -> Shape {
-    Shape {
-        blocks,
-        block,
-        border,
-    }
+    Shape { blocks, block, border }
 }
 
 /// An arrow matrix with random entries, and the same as a dense one. Diagonals are heavier, since

@@ -119,10 +119,7 @@ fn a_search_ends_when_every_step_is_refused() {
 
 #[test]
 fn the_system_is_evaluated_at_the_time_that_was_set() {
-    let settings = ContinuationSettings {
-        time: 3.0,
-        ..SETTINGS
-    };
+    let settings = ContinuationSettings { time: 3.0, ..SETTINGS };
     let found = settled(Fold { parameter: 1.0 }, 1.0, 0.0, &settings, 0.5, f64::INFINITY);
     found.outcome.unwrap();
     assert!((found.y - 2.0).abs() < 1e-9, "{}", found.y);
@@ -136,11 +133,5 @@ fn the_longest_step_is_kept_to() {
     };
     let found = settled(Fold { parameter: 1.0 }, 0.0, 0.0, &settings, f64::INFINITY, 0.1);
     // It never got as far as the step that counts as steady.
-    assert_eq!(
-        found.outcome,
-        Err(NotSteady {
-            solves: 20,
-            step: 0.1
-        })
-    );
+    assert_eq!(found.outcome, Err(NotSteady { solves: 20, step: 0.1 }));
 }

@@ -74,10 +74,7 @@ equations! {
 
 #[test]
 fn a_stiff_wall_is_met_and_left() {
-    let wall = |force| Wall {
-        stiffness: 1e8,
-        force,
-    };
+    let wall = |force| Wall { stiffness: 1e8, force };
     assert_solves(wall(5.0), 1e3, 5.0 / (1.0 + 1e8), [2, 1]);
     assert_solves(wall(-5.0), 1e-3, -5.0, [4, 2]);
     let soft = Wall {

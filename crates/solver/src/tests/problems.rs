@@ -172,11 +172,7 @@ impl<E: Equations<N>, const N: usize> System for Test<E, N> {
         (0..first).for_each(|i| out.add(i, i, 1.0));
         for column in 0..N {
             let rows = self.evaluate(time, view, |value, i, kind| {
-                let slope = if i == column {
-                    [1.0, alpha, beta][kind]
-                } else {
-                    0.0
-                };
+                let slope = if i == column { [1.0, alpha, beta][kind] } else { 0.0 };
                 Dual64::new(value, slope)
             });
             for (row, value) in rows.iter().enumerate() {

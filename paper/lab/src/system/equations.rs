@@ -76,11 +76,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> System for RingSy
         // Velocity errors accumulate over many short steps, so their scale is the slowest bending
         // wave, not the step.
         let wave = (ring.bending_stiffness / ring.mass_per_length).sqrt() * (TAU / length).powi(2);
-        let rate = if wave > 0.0 {
-            wave.min(1.0 / beta)
-        } else {
-            1.0 / beta
-        };
+        let rate = if wave > 0.0 { wave.min(1.0 / beta) } else { 1.0 / beta };
         for (i, scale) in out.iter_mut().enumerate() {
             let size = if self.is_length(i) { length } else { 1.0 };
             *scale = NEWTON_ACCURACY * size * rate;
