@@ -402,8 +402,9 @@ fn a_steady_start_is_at_rest() {
 #[test]
 fn a_start_in_macro_slip_is_reported() {
     for model in MODELS {
-        for (share, slips) in [(0.88, true), (0.99, false)] {
+        for (share, ratio, slips) in [(0.88, 2.0, true), (0.99, 1.0, false), (1.12, 0.5, true)] {
             let mut parameters = driven(model);
+            parameters.initial.ratio = ratio;
             parameters.secondary.drive = Drive::Speed;
             let mut inputs = inputs((0.0, 12e3), (0.0, 9e3));
             inputs.secondary.speed_setpoint *= share / parameters.initial.ratio;
@@ -464,6 +465,11 @@ fn a_run_reports_its_start_state() {
             assert_eq!(run.outputs().start_state, expected, "{model:?}, {force} N");
         }
     }
+    let mut parameters = coarse(Ale0);
+    (parameters.initial.ratio, parameters.initial.steady) = (2.0, false);
+    parameters.secondary.drive = Drive::Speed;
+    let o = Run::new(parameters, inputs((50.0, 10e3), (-49.0, 10e3))).outputs();
+    assert_close(o.primary.speed, 2.0 * SPEED, 1e-9, "without slip");
 }
 
 /// A start: its kind, how it differs from the coarse variator, its inputs.

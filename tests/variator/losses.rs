@@ -199,7 +199,7 @@ fn each_loss_is_zero_without_its_parameters() {
 #[test]
 fn losses_and_energies_are_the_power_of_their_forces() {
     type Change = fn(&mut Parameters);
-    let changes: [(&str, Change); 17] = [
+    let changes: [(&str, Change); 18] = [
         ("damping of the ring", |p| p.ring.damping *= 9.0),
         ("friction of flanks", |p| p.friction.pulley *= 0.5),
         ("friction of the ring", |p| p.friction.ring *= 3.0),
@@ -213,6 +213,7 @@ fn losses_and_energies_are_the_power_of_their_forces() {
         ("sheaves", |p| p.primary.sheave_damping *= 3.0),
         ("seals", |p| p.secondary.cylinder.seal = 200.0),
         ("bearings", |p| p.secondary.drag.bearing_friction *= 3.0),
+        ("end stop", |p| p.primary.max_radius = 0.052),
         ("force of a spring", |p| p.primary.cylinder.spring_force = 300.0),
         ("spring", |p| p.secondary.cylinder.spring_stiffness = 1e4),
         ("bending", |p| p.ring.bending_stiffness *= 1.1),
