@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from typing import Any
 
 from . import provenance
@@ -64,9 +64,17 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
     return made
 
 
-def interrupts_ignored() -> AbstractContextManager[None]:
-    """Processes that are started in this context ignore Ctrl-C; so does this one, until they are. Without effect on Windows."""
-    return _handled(signal.SIGINT, signal.SIG_IGN)
+@contextmanager
+def starting_processes() -> Iterator[None]:
+    """Processes that are started in this context ignore Ctrl-C; so does this one, until they are. Without effect on Windows. SIGTERM acts at the end:
+    a process that is started in part ends with a traceback, and nothing ends one that is not known yet."""
+    late: list[int] = []
+    try:
+        with _handled(signal.SIGTERM, lambda number, _: late.append(number)), _handled(signal.SIGINT, signal.SIG_IGN):
+            yield
+    finally:
+        for number in late[:1]:
+            signal.raise_signal(number)
 
 
 @contextmanager

@@ -82,7 +82,7 @@ def test_ctrl_c_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> Non
     children = psutil.Process(started.pid).children
     code, said = interrupted(started, lambda: len(children()) >= 3)
     # `calibrate` says first how long it takes.
-    assert (code, said[-1:]) == (130, ["interrupted"]) and not any("Traceback" in line for line in said)
+    assert (code, said[-1:]) == (130, ["interrupted"]) and not any("Traceback" in line for line in said), said
 
 
 @INTERRUPTIBLE
@@ -107,7 +107,18 @@ def test_sigterm_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> No
         return sum("PushbeltVariator" in one.read_text() for one in maps if one.exists()) >= 2
 
     code, said = interrupted(started, busy, signal.SIGTERM)
-    assert (code, said[-1:]) == (143, ["terminated"]) and not any("Traceback" in line for line in said)
+    assert (code, said[-1:]) == (143, ["terminated"]) and not any("Traceback" in line for line in said), said
+
+
+def test_sigterm_acts_once_processes_have_started() -> None:
+    started = []
+
+    def main() -> None:
+        with console.starting_processes():
+            signal.raise_signal(signal.SIGTERM)
+            started.append(True)
+
+    assert (console.run(main), started) == (143, [True])
 
 
 def test_characters_that_the_output_lacks_are_replaced() -> None:

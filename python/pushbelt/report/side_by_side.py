@@ -10,7 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from contextlib import contextmanager
 from typing import Any
 
-from ..console import interrupts_ignored
+from ..console import starting_processes
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]  # A module-level function and its arguments
 BATCH = 0.5  # Least progress per report of a worker
@@ -30,7 +30,7 @@ def progress_bar(total: float, description: str) -> Any:
 def _prepare_worker(ticks: Any) -> None:
     global _ticks
     _ticks = ticks
-    # For Windows, where `interrupts_ignored` has no effect.
+    # For Windows, where `starting_processes` has no effect.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
@@ -61,7 +61,7 @@ def worker_pool(workers: int) -> Iterator[Callable[[Sequence[Call], Callable[[fl
 
         def run(calls: Sequence[Call], update: Callable[[float], object]) -> list[Any]:
             try:
-                with interrupts_ignored():
+                with starting_processes():
                     futures = [pool.submit(function, *arguments) for function, arguments in calls]
                 _follow(futures, ticks, update)
             except BaseException:

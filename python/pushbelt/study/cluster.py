@@ -18,7 +18,7 @@ from distributed import CancelledError, Client, Future, KilledWorker, LocalClust
 
 import pushbelt.fmu
 from pushbelt import arguments, errors
-from pushbelt.console import interrupts_ignored
+from pushbelt.console import starting_processes
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.unit import Archive
 
@@ -46,8 +46,9 @@ def connect(scheduler: Any = None, workers: int | None = None) -> Iterator[Clien
         try:
             timeout = WORKERS_TIMEOUT if scheduler is None or isinstance(scheduler, str) else QUEUE_TIMEOUT
             if scheduler is None:
-                common = {"threads_per_worker": 1, "memory_limit": 0, "dashboard_address": ":0", "silence_logs": "ERROR"}
-                with interrupts_ignored():
+                # A worker in the midst of a heartbeat logs the end of its scheduler as an error, and what it can't solve comes back as a reason.
+                common = {"threads_per_worker": 1, "memory_limit": 0, "dashboard_address": ":0", "silence_logs": "CRITICAL"}
+                with starting_processes():
                     scheduler = stack.enter_context(LocalCluster(n_workers=workers, **common))
             client = stack.enter_context(Client(scheduler, timeout=CONNECT_TIMEOUT))
             client.wait_for_workers(1, timeout=timeout)
