@@ -153,12 +153,13 @@ def test_the_wltc(span: tuple[float, float], archive: Archive, maps_archive: Arc
 
 @pytest.mark.parametrize(
     ("ratio", "speed", "torque", "force", "thrust"),
-    [(1.0, 200.0, 60.0, 1e4, 1.5), (2.0, 100.0, 30.0, 6e3, 1.1), (0.5, 300.0, -20.0, 8e3, 1.9), (1.0, 0.0, 20.0, 6e3, 1.3), (1.0, 200.0, 150.0, 1e4, 1.2)],
+    [(1.0, 200.0, 60.0, 1e4, 1.5), (2.0, 100.0, 30.0, 6e3, 1.1), (0.5, 300.0, -20.0, 8e3, 1.9), (1.0, 0.0, 20.0, 6e3, 1.3),
+     (1.0, 200.0, 150.0, 1e4, 1.2), (1.0, 400.0, -150.0, 1e4, 1.2)],
 )  # fmt: skip
 def test_map_variator_has_the_equations_of_the_fmu(
     maps_archive: Archive, ratio: float, speed: float, torque: float, force: float, thrust: float
 ) -> None:
-    """Shifts, a launch, overrun and macro-slip, in steps of 1 ms; the error is that of implicit Euler steps."""
+    """Shifts, a launch, overrun and macro-slip in both, in steps of 1 ms; the error is that of implicit Euler steps."""
     inertias = {"primary.inertia": 0.15, "secondary.inertia": 8.0, "primary.drag.constant": 2.0, "secondary.drag.viscous": 0.02}
     start = {"initial.ratio": ratio, "initial.primarySpeed": speed, "initial.steady": False, "inputs.ramp": 0.0}
     loads = (torque, -torque * ratio, thrust * force, force)

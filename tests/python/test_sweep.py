@@ -62,8 +62,9 @@ def test_identity_is_that_of_the_results(study: Study, tmp_path: Path) -> None:
         Study(copy, PARAMETERS, GRID),
         Study(study.fmu, {**PARAMETERS, "belt.play": 3e-4}, GRID),
         Study(study.fmu, PARAMETERS, dataclasses.replace(GRID, force=(1e4,))),
+        type("Other", (Study,), {"procedure": Study.procedure[1:]})(study.fmu, PARAMETERS, GRID),
     ]
-    assert len({study.identity, *(other.identity for other in others)}) == 4
+    assert len({study.identity, *(other.identity for other in others)}) == 5
 
 
 @pytest.mark.parametrize("size", [None, 1, 5])
