@@ -35,6 +35,7 @@ fn outputs_are_those_of_the_library() {
             ("thrustRatio", outputs.thrust_ratio),
             ("belt.speed", outputs.belt_speed),
             ("loss.ring", outputs.losses.ring),
+            ("ring.stressMean.primary", outputs.ring_stress.mean.primary),
         ] {
             assert_close(importer.get(name), expected, 1e-9, name);
         }

@@ -2,7 +2,7 @@
 
 use pushbelt::pulley::Pulley;
 use pushbelt::solver::System;
-use pushbelt::variator::pulleys::loads::Loads;
+use pushbelt::variator::pulleys::loads::{InputProfile, Loads};
 use pushbelt::variator::run::Message;
 use pushbelt::variator::settings::{Drive, Inputs, Parameters, RingModel};
 use pushbelt_support::checks::{assert_close, assert_pinned};
@@ -158,6 +158,10 @@ fn derivatives_take_precedence_over_the_ramp() {
     for ramp in [0.0, 1e-3, -1.0] {
         assert_close(end_of(ramp), 60.0, 1e-9, "torque at the end of its ramp");
     }
+    // A force that falls ends at zero.
+    let falling = inputs((0.0, -2e3), (0.0, -1e3));
+    let end = InputProfile::new(0.0, [0.0, 1.0], &start, &start, &falling).evaluate(60.0);
+    assert_eq!([end.primary, end.secondary].map(|of| of.clamping_force), [0.0; 2]);
 }
 
 /// A hunting clutch takes more work than real time allows. The remark counts work, so it is the

@@ -34,6 +34,7 @@ fn outputs_follow_from_others_from_stations_and_from_what_is_given() {
     for (model, ratio) in MODELS.into_iter().flat_map(|model| [(model, 0.5), (model, 2.0)]) {
         let mut p = variator(model);
         (p.secondary.inertia, p.secondary.drag.constant) = (0.1, 0.3);
+        p.secondary.tilt.stiffness *= 1.5;
         let (area, spring_force, spring_stiffness) = (0.01, 400.0, 1.5e4);
         p.primary.cylinder = Cylinder { area, spring_force, spring_stiffness, centrifugal: 0.01, seal: 9.0 };
         p.secondary.cylinder = Cylinder { spring_force: 300.0, ..p.primary.cylinder };
