@@ -76,3 +76,35 @@ fn torque_is_continuous_and_falls_in_fast_sliding() {
     settings.parameters.friction.pulley *= 0.7;
     assert!((torques(&settings)(200.0, 0.0, 0.1)[0] - 0.7 * fast).abs() < 1e-12 * fast);
 }
+
+/// Sliding speeds at which the belt grips and slips through, in both directions of running and
+/// between them.
+#[test]
+fn slope_of_the_traction_is_that_of_its_values() {
+    let (settings, step) = (settings(), 1e-7);
+    let law = Law::new(&settings).expect("laws");
+    for (primary, sliding) in [
+        (200.0, 0.01),
+        (200.0, -0.02),
+        (200.0, 3.0),
+        (-200.0, 0.013),
+        (0.2, 0.001),
+    ] {
+        let state = State {
+            speeds: PerPulley {
+                primary,
+                secondary: 0.9 * primary,
+            },
+            log_ratio: 0.1,
+            thrust_ratio: 1.0,
+        };
+        let point = law.point(&state, &settings.inputs);
+        let [before, after] = [-step, step].map(|by| law.traction(&point, sliding + by).value);
+        let (found, expected) = (law.traction(&point, sliding).slope, (after - before) / (2.0 * step));
+        let off = (found - expected).abs();
+        assert!(
+            off < 1e-4 * expected.abs(),
+            "{primary} {sliding}: {found}, not {expected}"
+        );
+    }
+}
