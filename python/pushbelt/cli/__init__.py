@@ -57,6 +57,8 @@ def parser() -> argparse.ArgumentParser:
     fmu.add_argument("--real-outputs", action="store_true", help=text)
     text = "with --fmi3, for importers that read no arrays: each element is a variable, such as profile.pushForce[1]"
     fmu.add_argument("--scalars", action="store_true", help=text)
+    text = "for importers on ARM that look in linux64, such as fmpy: that folder of the copy has the library for ARM"
+    fmu.add_argument("--arm", action="store_true", help=text)
     fmu.add_argument("--fmi3", action="store_true", help="for FMI 3.0 instead of 2.0")
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
     maps = command("map-fmu", "write_map_fmu", "write an FMU of a variator from maps")
