@@ -67,8 +67,8 @@ enum Command {
     Build(commands::build::Options),
     /// Run the first tier of the Rust and Python tests, or with --all every test
     Test(commands::test::Arguments),
-    /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU
-    /// inside
+    /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMUs
+    /// inside, or with --arm that for Linux on ARM
     Wheel(commands::wheel::Arguments),
     /// Write what is generated: from the variable table the model descriptions,
     /// terminalsAndIcons.xml, docs/variables.md and the version of the Python package; from the

@@ -76,6 +76,8 @@ def parser() -> argparse.ArgumentParser:
     variables.add_argument("words", nargs="*", metavar="WORD", help="only variables whose name or description contains all words")
     variables.add_argument("--kind", choices=KINDS, help="only these")
     variables.add_argument("--fmu", type=Path, help="the FMU [default: the FMU of the package]")
+    examples = command("examples", "write_examples", "write the examples in Python and C and the notebook to a folder")
+    examples.add_argument("folder", type=Path, metavar="FOLDER", help="a new folder")
     docs = command("docs", "show_docs", "show the pages of the documentation, or one of them")
     docs.add_argument("page", nargs="?", metavar="PAGE", help="page, such as linear")
     return found

@@ -13,7 +13,7 @@ from typing import Any
 from ..errors import ArgumentError, require, similar
 from ..fmu import cache, copies, flat, start_values
 from ..fmu.data import parameter_set
-from ..fmu.files import DOCS, default_fmu, found
+from ..fmu.files import DOCS, EXAMPLES, default_fmu, found
 from ..fmu.unit import Archive, Instance, UnitError
 from ..fmu.untrusted import described
 from ..maps import unit as map_unit
@@ -154,6 +154,15 @@ def show_variables(options: argparse.Namespace) -> int:
     for one in found:
         print(f"{one.name}\n    {', '.join([one.causality, *one.facts])}\n    {one.description}")
     print(f"{len(found)} of {len(variables)} variables" + ("" if fields else "; `pushbelt variables profile.` lists the fields"))
+    return 0
+
+
+def write_examples(options: argparse.Namespace) -> int:
+    """`pushbelt examples`: copies those that need no Rust."""
+    if options.folder.exists():
+        raise ArgumentError(f"{options.folder} is there already: name a new folder")
+    shutil.copytree(EXAMPLES, options.folder, ignore=shutil.ignore_patterns("*.rs", "cosim", "__pycache__"))
+    print(options.folder.resolve())
     return 0
 
 
