@@ -1,6 +1,7 @@
 """The wheel for Linux on ARM: under qemu its libraries compute what those of x86-64 compute, in hosts of both versions of FMI."""
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -33,9 +34,10 @@ def test_digits_on_arm_are_those_on_x86(tmp_path: Path) -> None:
             subprocess.run([*compiler, "-I", Path(fmpy.__file__).parent / "c-code", "-o", tmp_path / processor, source, "-ldl", "-lm"], check=True)
             run = [*start, tmp_path / processor, tmp_path / number / "binaries" / place / "PushbeltVariator.so", description.guid, *words]
             done = subprocess.run(run, cwd=tmp_path, env={**os.environ, "PUSHBELT_AVX2": "0"}, check=True, capture_output=True, text=True)
-            found.append(done.stdout if number else np.frombuffer(bytes.fromhex((tmp_path / "readings").read_text()), ">f8").reshape(2, -1))
+            said = re.findall(r"^thrust.*|^slips.*(?=, \d+ messages)", done.stdout, re.M)
+            found.append(said if number else np.frombuffer(bytes.fromhex((tmp_path / "readings").read_text()), ">f8").reshape(2, -1))
         if number:
-            assert found[0] == found[1] and "slips at" in found[0]
+            assert found[0] == found[1] and len(found[0]) == 2
         else:
             difference = np.abs(found[1] - found[0]) / [float(one.nominal) for one in real]
             print(f"largest difference {difference.max():.1e} of a nominal value, of {real[difference.max(axis=0).argmax()].name}")

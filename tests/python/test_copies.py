@@ -135,9 +135,8 @@ def test_the_default_keeps_arrays(fmu3: Path, tmp_path: Path) -> None:
 
 
 def test_a_copy_for_arm_has_its_library_in_linux64(fmu: Path, tmp_path: Path) -> None:
-    both, copy = tmp_path / "both.fmu", tmp_path / "copy.fmu"
-    copy_archive(fmu, both, {}, {f"{LINUX}other.so": b"x86", f"{ARM}PushbeltVariator.so": b"ARM"})
-    assert cli.main(["fmu", str(copy), "--fmu", str(both), "--arm", "--flat"]) == 0
+    copy_archive(fmu, both := tmp_path / "both.fmu", {}, {f"{LINUX}other.so": b"x86", f"{ARM}PushbeltVariator.so": b"ARM"})
+    assert cli.main(["fmu", str(copy := tmp_path / "copy.fmu"), "--fmu", str(both), "--arm", "--flat"]) == 0
     with zipfile.ZipFile(copy) as archive:
         assert {name: archive.read(name) for name in archive.namelist() if name.startswith(LINUX)} == {f"{LINUX}PushbeltVariator.so": b"ARM"}
 
