@@ -90,7 +90,8 @@ fn compare(listed: &BTreeSet<&str>, found: &BTreeSet<&str>) -> anyhow::Result<()
 }
 
 /// A file with the list for a linker, of the model or of every unit. A different list is a different
-/// file, so that cargo links again.
+/// file, so that cargo links again. Both kinds have one path: it is a flag of the compiler, and cargo
+/// would compile everything again for another.
 ///
 /// # Errors
 /// The file can't be written.
@@ -98,7 +99,7 @@ pub fn definition(workspace: &Workspace, of_model: bool) -> anyhow::Result<PathB
     let kept = |line: &&str| of_model || *line == "EXPORTS" || is_standard(line.trim());
     let list: String = LIST.lines().filter(kept).flat_map(|line| [line, "\n"]).collect();
     let mut hash = DefaultHasher::new();
-    list.hash(&mut hash);
+    LIST.hash(&mut hash);
     let path = workspace.target().join(format!("exports-{:016x}.def", hash.finish()));
     fs::create_dir_all(workspace.target())
         .and_then(|()| fs::write(&path, list))

@@ -143,11 +143,12 @@ def test_a_copy_for_arm_has_its_library_in_linux64(fmu: Path, tmp_path: Path) ->
 
 def test_copies_that_cannot_be_are_refused(fmu: Path, fmu3: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with_flat = written(tmp_path / "flat.fmu", fmu3, "--flat")
+    copy_archive(fmu, without := tmp_path / "x86.fmu", {}, {f"{ARM}PushbeltVariator.so": None})
     capsys.readouterr()
     for source, words, why in (
         (fmu, ["--scalars"], "FMI 2.0, which has no arrays; --fmi3"), (with_flat, ["--scalars"], "flat.fmu has flat names"),
         (with_flat, ["--real-outputs"], "with --flat and the other options together"),
-        (fmu, ["--arm"], "no library for Linux on ARM; `cargo"), (fmu3, ["--arm"], "FMI 3.0, in which importers on ARM look in aarch64-linux"),
+        (without, ["--arm"], "no library for Linux on ARM; `cargo"), (fmu3, ["--arm"], "FMI 3.0, in which importers on ARM look in aarch64-linux"),
     ):  # fmt: skip
         assert cli.main(["fmu", str(tmp_path / "none.fmu"), "--fmu", str(source), *words]) == 1
         said = capsys.readouterr().err
