@@ -57,7 +57,7 @@ Times on two processor cores, once the model is compiled and the Python packages
   two minutes  maps
   minutes      test (3), validate (3), paper, docs
   15 minutes   test --all
-wheel takes 7.7 minutes of processor time in an empty clone (two cores of an AMD EPYC), build --portable as much.
+wheel takes 7.7 minutes of processor time in an empty clone (two cores of an AMD EPYC), build --portable as much; --arm adds 3.
 The first command of a new clone compiles and installs for two minutes more.";
 
 #[derive(Subcommand)]
