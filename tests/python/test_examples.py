@@ -108,7 +108,6 @@ def test_the_mean_flow_loses_no_oil() -> None:
 
 
 def test_rollback_makes_a_stiff_circuit_stable(fmu3: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At a tenth of the compliance that an importer without it needs; intermediate updates need as much as that."""
     monkeypatch.syspath_prepend(ROOT / "examples")
     monkeypatch.setenv("PUSHBELT_FMU3", str(fmu3))
     example = module_of(ROOT / "examples" / "hydraulic_hosts.py")
