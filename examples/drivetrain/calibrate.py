@@ -1,8 +1,7 @@
 """Sensitivity of outputs to parameters at one steady working point: for docs/calibrate.md."""
 
-from pathlib import Path
-
 from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.unit import Archive, Instance
 
 POINT = {
@@ -40,7 +39,7 @@ def steady(archive: Archive, parameters: dict[str, float]) -> dict[str, float]:
 def main() -> None:
     """Prints one line per parameter: relative change of each output, %."""
     base = parameter_set("bench168")
-    with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
+    with Archive.unpack(default_fmu()) as archive:
         with Instance(archive, {}) as unit:
             known = {name: float(variable.start or 0.0) for name, variable in unit.variables.items()
                      if variable.type == "Real" and variable.causality == "parameter"}  # fmt: skip

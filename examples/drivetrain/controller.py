@@ -1,4 +1,4 @@
-"""A controller around the variator: read, compute, write, step. Run it where `target/PushbeltVariator.fmu` is."""
+"""A controller around the variator: read, compute, write, step. Name the FMU, or run it where `target/PushbeltVariator.fmu` is."""
 
 import ctypes
 import math
@@ -9,7 +9,7 @@ import fmpy
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.logging import addLoggerProxy
 
-FMU = "target/PushbeltVariator.fmu"
+FMU = sys.argv[1] if len(sys.argv) == 2 else "target/PushbeltVariator.fmu"
 description, folder = fmpy.read_model_description(FMU), fmpy.extract(FMU)
 reference = {variable.name: variable.valueReference for variable in description.modelVariables}
 model = description.coSimulation.modelIdentifier

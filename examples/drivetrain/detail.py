@@ -7,6 +7,7 @@ from pushbelt.drive.cycle import wltc_class_3b
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.vehicle import demo_car
+from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.unit import Archive
 
 LEVELS = (("ALE0", "coarse"), ("ALE", "coarse"), ("ALE", "default"))
@@ -14,7 +15,7 @@ LEVELS = (("ALE0", "coarse"), ("ALE", "coarse"), ("ALE", "default"))
 
 def main() -> None:
     """Drives with the fixed safety factor and prints one line per level."""
-    fmu = Path("target/PushbeltVariator.fmu")
+    fmu = default_fmu()
     car, cycle = demo_car(), wltc_class_3b().section(10.0, 30.0)
     print("| ring | mesh | shift gain 1e-6/(N·rad) | thrust ratio at the end | variator loss J | ratio error % | s/s |")
     print("|---" * 7 + "|")

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import Drive
+from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.unit import Archive, Instance
 
 STEP, LAUNCH_STEP = 1e-2, 1e-3
@@ -55,7 +55,7 @@ def crept_ratio(archive: Archive, velocity: float) -> float:
 
 def main() -> None:
     """Prints one line per friction velocity."""
-    with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
+    with Archive.unpack(default_fmu()) as archive:
         for velocity in VELOCITIES:
             losses = [f"{name} launch {launch_loss(archive, velocity, *launch):.1f} J" for name, launch in LAUNCHES.items()]
             ratio = crept_ratio(archive, velocity)

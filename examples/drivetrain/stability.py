@@ -19,6 +19,7 @@ from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.transmission import PressureCircuit
 from pushbelt.drive.vehicle import Powertrain, demo_car
 from pushbelt.fmu.data import torque_capacity
+from pushbelt.fmu.files import default_fmu
 
 POINTS = ((0.46, 0.6), (0.46, 0.77), (0.46, 0.9), (0.6, 0.77), (0.6, 0.9), (1.0, 0.9))
 """Ratio and torque utilisation."""
@@ -104,7 +105,7 @@ def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: floa
 def main() -> None:
     """Prints the growth rates."""
     coarse = simulate.unit_parameters(CAR, "ALE", "coarse")
-    table = ThrustMap.of_maps(measure(Path("target/PushbeltVariator.fmu"), coarse, Path("target/drive")))
+    table = ThrustMap.of_maps(measure(default_fmu(), coarse, Path("target/drive")))
     print("| ratio | utilisation | primary speed rad/s | forces held | pressures at 50 ms | at 12.5 ms |")
     print("|---" * 6 + "|")
     variator = pushbelt.Variator(PARAMETERS)

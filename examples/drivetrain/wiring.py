@@ -1,8 +1,7 @@
 """What a drivetrain model has to get right, shown on the FMU: signs, inertias, step sizes."""
 
-from pathlib import Path
-
 from pushbelt.fmu.enumerations import Axial
+from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.unit import Archive, Instance
 
 START = {
@@ -32,7 +31,7 @@ def powers(state: dict[str, float]) -> str:
 
 def main() -> None:
     """Prints powers, an acceleration and the effect of the step size (docs/tools.md)."""
-    with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
+    with Archive.unpack(default_fmu()) as archive:
         state = run(archive, 0.01, {})
         print("engine drives: " + powers(state))
         speed = START["initial.primarySpeed"]

@@ -73,15 +73,15 @@ pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     compile_library(release(workspace, LIBRARY_PACKAGE).arg("--lib"), LIBRARY_PACKAGE, drop)
 }
 
-/// Compiles the model's shared library with a command that replaces `cargo build`, and returns its
-/// path.
+/// Compiles the shared library of a package with a command that replaces `cargo build`, and returns
+/// its path.
 ///
 /// # Errors
 /// The compilation fails.
-pub fn build_library_with(command: &mut Command) -> anyhow::Result<PathBuf> {
+pub fn build_library_with(command: &mut Command, package: &str) -> anyhow::Result<PathBuf> {
     compile_library(
-        command.args(["--release", "--lib", "--package", LIBRARY_PACKAGE]),
-        LIBRARY_PACKAGE,
+        command.args(["--release", "--lib", "--package", package]),
+        package,
         drop,
     )
 }

@@ -36,11 +36,12 @@ pub fn check(library: &[u8]) -> anyhow::Result<()> {
 /// # Errors
 /// As [`check`].
 pub fn check_standard(library: &[u8]) -> anyhow::Result<()> {
-    let standard = names()
-        .into_iter()
-        .filter(|name| name.starts_with("fmi") || *name == "pushbeltVariant")
-        .collect();
+    let standard = names().into_iter().filter(|name| is_standard(name)).collect();
     check_against(&standard, library)
+}
+
+fn is_standard(name: &str) -> bool {
+    name.starts_with("fmi") || name == "pushbeltVariant"
 }
 
 fn check_against(listed: &BTreeSet<&str>, library: &[u8]) -> anyhow::Result<()> {
@@ -88,17 +89,20 @@ fn compare(listed: &BTreeSet<&str>, found: &BTreeSet<&str>) -> anyhow::Result<()
     Ok(())
 }
 
-/// A file with the list for a linker. A different list is a different file, so that cargo links
-/// again.
+/// A file with the list for a linker, of the model or of every unit. A different list is a different
+/// file, so that cargo links again. Both kinds have one path: it is a flag of the compiler, and cargo
+/// would compile everything again for another.
 ///
 /// # Errors
 /// The file can't be written.
-pub fn definition(workspace: &Workspace) -> anyhow::Result<PathBuf> {
+pub fn definition(workspace: &Workspace, of_model: bool) -> anyhow::Result<PathBuf> {
+    let kept = |line: &&str| of_model || *line == "EXPORTS" || is_standard(line.trim());
+    let list: String = LIST.lines().filter(kept).flat_map(|line| [line, "\n"]).collect();
     let mut hash = DefaultHasher::new();
     LIST.hash(&mut hash);
     let path = workspace.target().join(format!("exports-{:016x}.def", hash.finish()));
     fs::create_dir_all(workspace.target())
-        .and_then(|()| fs::write(&path, LIST))
+        .and_then(|()| fs::write(&path, list))
         .with_context(|| format!("can't write {}", path.display()))?;
     Ok(path)
 }

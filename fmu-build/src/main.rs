@@ -57,7 +57,7 @@ Times on two processor cores, once the model is compiled and the Python packages
   two minutes  maps
   minutes      test (3), validate (3), paper, docs
   15 minutes   test --all
-wheel takes 7.7 minutes of processor time in an empty clone (two cores of an AMD EPYC), build --portable as much.
+wheel takes 7.7 minutes of processor time in an empty clone (two cores of an AMD EPYC), build --portable as much; --arm adds 3.
 The first command of a new clone compiles and installs for two minutes more.";
 
 #[derive(Subcommand)]
@@ -67,8 +67,8 @@ enum Command {
     Build(commands::build::Options),
     /// Run the first tier of the Rust and Python tests, or with --all every test
     Test(commands::test::Arguments),
-    /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU
-    /// inside
+    /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMUs
+    /// inside, or with --arm that for Linux on ARM
     Wheel(commands::wheel::Arguments),
     /// Write what is generated: from the variable table the model descriptions,
     /// terminalsAndIcons.xml, docs/variables.md and the version of the Python package; from the

@@ -1,5 +1,5 @@
 //! Binaries for other machines than this one: Linux with an old glibc and Windows, both on x86-64;
-//! for FMI 3.0 also Linux on ARM and macOS.
+//! Linux on ARM where it is asked for, and for FMI 3.0 always, with macOS.
 //!
 //! Zig contains the linker and the C library for each (PyPI package `ziglang`, started by
 //! `cargo-zigbuild`). rustup installs Rust's standard library.
@@ -21,7 +21,7 @@ use anyhow::{Context, ensure};
 use crate::commands::side_by_side;
 use crate::platform::{Platform, Version};
 use crate::python::{BUILDING, Environment};
-use crate::workspace::{MODEL_IDENTIFIER, Workspace};
+use crate::workspace::{LIBRARY_PACKAGE, MAP_IDENTIFIER, MAP_PACKAGE, MODEL_IDENTIFIER, Workspace};
 use crate::wrapper::AS_COMPILER;
 use crate::{binary, cargo, exports, hash, progress};
 
@@ -36,6 +36,27 @@ pub struct Binary {
     pub path: PathBuf,
 }
 
+/// What is built for each target.
+pub struct Product {
+    package: &'static str,
+    identifier: &'static str,
+    /// Whether it exports functions beyond the standard, and has a variant for AVX2.
+    is_model: bool,
+}
+
+/// The library in `PushbeltVariator.fmu`.
+pub const MODEL: Product = Product {
+    package: LIBRARY_PACKAGE,
+    identifier: MODEL_IDENTIFIER,
+    is_model: true,
+};
+/// The library in `PushbeltMap.fmu`.
+pub const MAP: Product = Product {
+    package: MAP_PACKAGE,
+    identifier: MAP_IDENTIFIER,
+    is_model: false,
+};
+
 /// A target of the portable build.
 struct Target {
     platform: Platform,
@@ -46,8 +67,8 @@ struct Target {
     has_variant: bool,
 }
 
-/// All targets. FMI 2.0 gets the first [`OF_FMI2`]: importers of it look for few others, and each
-/// costs minutes.
+/// All targets. FMI 2.0 gets the first [`OF_FMI2`]: each costs more than a minute, and few need the
+/// next one.
 const TARGETS: [Target; 5] = [
     Target {
         platform: Platform::LINUX64,
@@ -81,6 +102,8 @@ const TARGETS: [Target; 5] = [
     },
 ];
 const OF_FMI2: usize = 2;
+/// The same with Linux on ARM.
+const WITH_ARM: usize = 3;
 
 /// Suffix of the variant's name.
 const VARIANT: &str = "-avx2";
@@ -93,13 +116,20 @@ const APART: &str = "profile.release.package.safe_arch.codegen-units=2";
 /// others. Libraries of the same sources are not compiled again.
 ///
 /// # Errors
-/// The tools can't be installed, a compilation fails, or a library doesn't meet its requirements.
-pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<Binary>> {
+/// The tools can't be installed, a compilation fails, or a library doesn't meet its requirements;
+/// one for `arm` can't be built.
+pub fn build(
+    workspace: &Workspace,
+    product: &Product,
+    version: Version,
+    arm: bool,
+) -> anyhow::Result<Vec<Binary>> {
     let tools = Environment::prepare(workspace, &BUILDING)?;
     let build = identity(workspace)?;
     let folder = workspace.target().join("portable");
     remove_others(&folder, &build)?;
     let (first, others) = match version {
+        Version::Two if arm => &TARGETS[..WITH_ARM],
         Version::Two => &TARGETS[..OF_FMI2],
         Version::Three => &TARGETS[..],
     }
@@ -111,7 +141,7 @@ pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<Bina
             libraries: &folder.join(&build),
             cargo,
         };
-        libraries(workspace, &tools, targets, &place)
+        libraries(workspace, &tools, product, targets, &place)
     };
     let (mut binaries, others) = side_by_side(
         || compile(first, workspace.target().to_owned()),
@@ -119,6 +149,8 @@ pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<Bina
     )?;
     binaries.extend(others);
     ensure!(!binaries.is_empty(), "there is no target to build for");
+    let has_arm = binaries.iter().any(|one| one.platform == Platform::LINUX_ARM);
+    ensure!(has_arm || !arm, "there is no library for Linux on ARM");
     Ok(binaries)
 }
 
@@ -132,6 +164,7 @@ struct Place<'a> {
 fn libraries(
     workspace: &Workspace,
     tools: &Environment,
+    product: &Product,
     targets: &[Target],
     place: &Place<'_>,
 ) -> anyhow::Result<Vec<Binary>> {
@@ -145,17 +178,17 @@ fn libraries(
         // The variant first: the other library contains its hash.
         let mut variant = None;
         for is_variant in [true, false] {
-            if is_variant && !target.has_variant {
+            if is_variant && !(product.is_model && target.has_variant) {
                 continue;
             }
             let suffix = if is_variant { VARIANT } else { "" };
-            let name = format!("{MODEL_IDENTIFIER}{suffix}");
+            let name = format!("{}{suffix}", product.identifier);
             let path = place.libraries.join(tuple).join(&name);
             let path = path.with_extension(target.platform.extension);
             if !path.is_file() {
-                progress::headline(&format!("Compiling the FMU's binary for {tuple}{suffix}"));
-                let library =
-                    compile(workspace, tools, target, &place.cargo, is_variant, variant.as_deref())?;
+                progress::headline(&format!("Compiling {name} for {tuple}"));
+                let variant = variant.as_deref();
+                let library = compile(workspace, tools, product, target, &place.cargo, is_variant, variant)?;
                 keep(&library, &path)?;
             }
             if is_variant {
@@ -174,16 +207,18 @@ fn libraries(
 fn compile(
     workspace: &Workspace,
     tools: &Environment,
+    product: &Product,
     target: &Target,
     folder: &Path,
     is_variant: bool,
     variant: Option<&str>,
 ) -> anyhow::Result<PathBuf> {
     // A library and its variant have the same path there, and cargo could take one for the other.
+    let name = product.package.replace('-', "_");
     for file in [
-        "libpushbelt_library.so",
-        "pushbelt_library.dll",
-        "libpushbelt_library.dylib",
+        format!("lib{name}.so"),
+        format!("{name}.dll"),
+        format!("lib{name}.dylib"),
     ] {
         let path = folder.join(target.triple).join("release/deps").join(file);
         if path.exists() {
@@ -203,7 +238,7 @@ fn compile(
         .env_remove("PUSHBELT_VARIANT")
         .envs(variant.map(|hash| ("PUSHBELT_VARIANT", hash)))
         .env("CARGO_PROFILE_RELEASE_LTO", if is_linux { "off" } else { "fat" })
-        .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, target)?);
+        .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, product, target)?);
     if is_variant {
         let tool = std::env::current_exe().context("the path of this tool is unknown")?;
         command
@@ -211,7 +246,7 @@ fn compile(
             .env(AS_COMPILER, std::env::var_os("RUSTC_WRAPPER").unwrap_or_default())
             .env("RUSTC_WRAPPER", tool);
     }
-    let library = cargo::build_library_with(&mut command)?;
+    let library = cargo::build_library_with(&mut command, product.package)?;
     check(&library)?;
     Ok(library)
 }
@@ -253,6 +288,7 @@ fn identity(workspace: &Workspace) -> anyhow::Result<String> {
         "Cargo.toml",
         "crates",
         "library",
+        "map-unit",
         "src",
         "python/portable-requirements.txt",
         "fmu-build/exports.def",
@@ -326,14 +362,15 @@ pub fn without_paths(workspace: &Workspace) -> Vec<String> {
 
 /// Compiler flags: those of the environment instead of the workspace's own (which require AVX2),
 /// and [`without_paths`].
-fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
+fn flags(workspace: &Workspace, product: &Product, target: &Target) -> anyhow::Result<OsString> {
     let given = std::env::var("RUSTFLAGS").unwrap_or_default();
     let mut flags: Vec<String> = given.split_whitespace().map(str::to_owned).collect();
     flags.extend(without_paths(workspace));
     if target.platform == Platform::WIN64 {
         // `cargo-zigbuild` drops the compiler's list of exports for the linker. Without a list,
         // everything is exported.
-        flags.push(format!("-Clink-arg={}", exports::definition(workspace)?.display()));
+        let list = exports::definition(workspace, product.is_model)?;
+        flags.push(format!("-Clink-arg={}", list.display()));
     }
     Ok(flags.join("\x1f").into())
 }
@@ -359,6 +396,7 @@ mod tests {
 
     #[test]
     fn the_linker_gets_the_oldest_glibc() {
+        assert_eq!(TARGETS[WITH_ARM - 1].platform, Platform::LINUX_ARM);
         let (major, minor) = GLIBC;
         for target in TARGETS.iter().filter(|target| target.triple.contains("linux")) {
             assert_eq!(target.zig, format!("{}.{major}.{minor}", target.triple));

@@ -16,22 +16,30 @@ from typing import TYPE_CHECKING, Any
 from ._version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from .errors import ArgumentError as ArgumentError, FileError as FileError, MissingFileError as MissingFileError
-    from .errors import MissingPackageError as MissingPackageError, PushbeltError as PushbeltError
-    from .errors import UnknownNameError as UnknownNameError, VariatorWarning as VariatorWarning
+    from .errors import ArgumentError as ArgumentError
+    from .errors import FileError as FileError
+    from .errors import MissingFileError as MissingFileError
+    from .errors import MissingPackageError as MissingPackageError
+    from .errors import PushbeltError as PushbeltError
+    from .errors import UnknownNameError as UnknownNameError
+    from .errors import VariatorWarning as VariatorWarning
     from .fmu.data import parameter_set as parameter_set
     from .fmu.files import default_fmu as default_fmu
     from .fmu.start_values import StartValueError as StartValueError
     from .fmu.unit import UnitError as UnitError
     from .fmu.untrusted import InputFileError as InputFileError
-    from .linear.grid import LinearGrid as LinearGrid, load_linear as load_linear
-    from .linear.model import LinearModel as LinearModel, LinearPointError as LinearPointError
+    from .linear.grid import LinearGrid as LinearGrid
+    from .linear.grid import load_linear as load_linear
+    from .linear.model import LinearModel as LinearModel
+    from .linear.model import LinearPointError as LinearPointError
     from .linear.physical import NotPhysicalError as NotPhysicalError
-    from .maps.data import MapError as MapError, Maps as Maps
+    from .maps.data import MapError as MapError
+    from .maps.data import Maps as Maps
     from .maps.variator import MapVariator as MapVariator
     from .points import SteadyStateError as SteadyStateError
     from .recording import Record as Record
-    from .variator import Snapshot as Snapshot, Variator as Variator
+    from .variator import Snapshot as Snapshot
+    from .variator import Variator as Variator
 
 _NAMES = {
     "errors": "ArgumentError FileError MissingFileError MissingPackageError PushbeltError UnknownNameError VariatorWarning",

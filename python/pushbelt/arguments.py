@@ -69,7 +69,7 @@ def number(unit: str = "", *, above: float = -np.inf, least: float = -np.inf, se
     return rule
 
 
-def kind(wanted: str, *types: type) -> Rule:
+def kind(wanted: str, *types: Any) -> Rule:
     """An object of one of these types."""
 
     def rule(name: str, value: Any) -> Any:

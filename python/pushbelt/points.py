@@ -139,7 +139,7 @@ class WorkingPoints:
         `speed` (rad/s), `force` (N) and each parameter in `changes` are further axes if they have more than one value.
         `after_each` is called after each point. A point without a model has None and a reason.
         """
-        several = {"ratio": ratios, "torque": torques, "speed": speed, "force": force}
+        several: dict[str, Any] = {"ratio": ratios, "torque": torques, "speed": speed, "force": force}
         lists = {name: list(values) for name, values in several.items() if isinstance(values, Iterable)}
         for name, values in (changes or {}).items():
             lists[name] = [checked(self._declared, {name: value})[name] for value in values]
@@ -148,9 +148,9 @@ class WorkingPoints:
         axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
 
         def model(**at: Any) -> LinearModel:
-            values, point = {**self._values, **{name: at[name] for name in changes or ()}}, {**several, **at}
+            values, point = {**self._values, **{name: at[name] for name in changes or ()}}, several | at
             try:
-                return self._linearize(values, *(point[name] for name in several), safety, (frequency, states, sample_time))
+                return self._linearize(values, point["ratio"], point["torque"], point["speed"], point["force"], safety, (frequency, states, sample_time))
             finally:
                 after_each()
 
@@ -201,8 +201,7 @@ class WorkingPoints:
     def _point(self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float | None) -> Point:
         """A point with the given force, that of a safety factor, or that of the inputs among the values."""
         if force is None:
-            own = safety is None
-            force = closing_at(values, "secondary", ratio, speed) if own else self._least_force(values, ratio, torque, speed, safety)
+            force = closing_at(values, "secondary", ratio, speed) if safety is None else self._least_force(values, ratio, torque, speed, safety)
         return Point(ratio, torque, speed, force)
 
     def _steady(self, values: Values, point: Point) -> SteadyState:
@@ -286,7 +285,7 @@ class WorkingPoints:
         points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
         """
         dataset = package("xarray", "thrust_map needs xarray", "maps").Dataset
-        axes = {"ratio": np.atleast_1d(ratios), "torque": np.atleast_1d(torques)}
+        axes = {"ratio": np.atleast_1d(np.asarray(ratios)), "torque": np.atleast_1d(np.asarray(torques))}
         if empty := [name for name, values in axes.items() if not len(values)]:
             raise ArgumentError(f"the map has no {empty[0]}")
         names = [*calls.output_names(self._declared.values()), "clampingForce"]

@@ -152,6 +152,6 @@ class Recording:
         """All rows as a record array."""
         rows = np.empty((len(self), len(self._chosen)))
         rows[: self._kept] = self._rows
-        if self._has_more():
+        if self._latest is not None and self._has_more():
             rows[-1] = self._latest[self._chosen]
         return rows.view(self._type).reshape(-1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -76,7 +77,7 @@ class Variator(WorkingPoints):
         files that cannot be used.
         """
         self._unit: calls.Instance | None = None
-        archive = cache.unpacked(fmu if fmu is not None else default_fmu())
+        archive = cache.unpacked(Path(fmu) if fmu is not None else default_fmu())
         declared = archive.variables
         if "ring.model" not in declared:
             raise ArgumentError(f"{archive.description.modelName} has no ring.model: Variator runs the belt; MapVariator is a variator from maps")
@@ -243,10 +244,10 @@ class Variator(WorkingPoints):
         self.set(table.row(0))
         self.start()
         origin = self.time - begin
-        found.add(self._now)
+        found.add(self._row)
         for ramp in table.ramps(step):
             self._follow(ramp, origin)
-            found.add(self._now)
+            found.add(self._row)
         self.set(table.row(-1))
         frame = dataframe(found.table())
         frame["time"] -= origin
@@ -299,9 +300,14 @@ class Variator(WorkingPoints):
 
     def _warn(self) -> None:
         """Issues the warnings of the FMU since the last call."""
-        for text in self._open.warnings[self._warned :]:
+        for said in self._open.warnings[self._warned :]:
             self._warned += 1
-            warn(text)
+            warn(said)
+
+    @property
+    def _row(self) -> NDArray[np.float64]:
+        assert self._now is not None, "the variator has started"
+        return self._now
 
     def _outputs(self) -> dict[str, float]:
-        return dict(zip(self._names, self._now.tolist(), strict=True))
+        return dict(zip(self._names, self._row.tolist(), strict=True))

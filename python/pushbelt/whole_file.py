@@ -33,9 +33,9 @@ def copy_archive(
                 if entry.filename not in added:
                     content = source.read(entry)
                     target.writestr(entry, changed[entry.filename](content) if entry.filename in changed else content)
-            for name, content in added.items():
-                if content is not None:
-                    target.writestr(name, content)
+            for name, new in added.items():
+                if new is not None:
+                    target.writestr(name, new)
         draft.replace(copy)
     finally:
         draft.unlink(missing_ok=True)

@@ -107,6 +107,14 @@ def test_the_mean_flow_loses_no_oil() -> None:
     assert [example.is_stable(1e-3, 3e-13, feedback) for feedback in (exact, at_end)] == [True, False]
 
 
+def test_rollback_makes_a_stiff_circuit_stable(fmu3: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "examples")
+    monkeypatch.setenv("PUSHBELT_FMU3", str(fmu3))
+    example = module_of(ROOT / "examples" / "hydraulic_hosts.py")
+    stable = {way: [example.is_quiet(way, 1e-3, compliance) for compliance in (2e-14, 6e-13)] for way in example.WAYS}
+    assert stable == {"rollback": [True, True], "intermediate updates": [False, True]}
+
+
 def test_the_example_cylinders_follow_from_their_radii() -> None:
     """As docs/hydraulics.md derives it; the secondary one has a compensation chamber."""
 

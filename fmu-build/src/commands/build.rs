@@ -36,6 +36,9 @@ pub struct Arguments {
     /// instead of for this machine
     #[arg(long)]
     pub portable: bool,
+    /// With --portable, for Linux on ARM too, which takes some two minutes more
+    #[arg(long, requires = "portable")]
+    pub arm: bool,
 }
 
 /// What `cargo fmu build` builds.
@@ -51,9 +54,8 @@ pub struct Options {
     /// machine
     #[arg(long, conflicts_with_all = ["fmi3", "portable"])]
     paper: bool,
-    /// Write target/PushbeltMap.fmu instead, a variator from maps, for this machine; with --fmi3
-    /// target/PushbeltMap3.fmu
-    #[arg(long, conflicts_with_all = ["paper", "portable"])]
+    /// Write target/PushbeltMap.fmu instead, a variator from maps; with --fmi3 target/PushbeltMap3.fmu
+    #[arg(long, conflicts_with = "paper")]
     map: bool,
 }
 
@@ -67,7 +69,7 @@ pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<(
     }
     let version = if options.fmi3 { Version::Three } else { Version::Two };
     if options.map {
-        return run_map(workspace, version).map(drop);
+        return run_map(workspace, options.machines, version).map(drop);
     }
     run_versions(workspace, options.machines, &[version])
 }
@@ -102,7 +104,7 @@ fn run_versions(workspace: &Workspace, machines: Arguments, versions: &[Version]
 
 fn compile(workspace: &Workspace, machines: Arguments, version: Version) -> anyhow::Result<Vec<Binary>> {
     if machines.portable {
-        return portable::build(workspace, version);
+        return portable::build(workspace, &portable::MODEL, version, machines.arm);
     }
     progress::headline("Compiling the FMU's binary");
     Ok(vec![Binary {
@@ -112,19 +114,27 @@ fn compile(workspace: &Workspace, machines: Arguments, version: Version) -> anyh
     }])
 }
 
-/// Builds the portable FMUs of FMI 2.0 and 3.0 in a folder, from the same binaries, and leaves
-/// those in the target directory alone.
+/// Builds all portable FMUs, of both versions from the same binaries, in a folder, and leaves those
+/// in the target directory alone.
 ///
 /// # Errors
 /// As [`run_options`].
-pub fn run_portable(workspace: &Workspace, folder: &Path) -> anyhow::Result<()> {
+pub fn run_portable(workspace: &Workspace, arm: bool, folder: &Path) -> anyhow::Result<()> {
     let _alone = workspace.lock("build")?;
-    let machines = Arguments { portable: true };
+    let machines = Arguments { portable: true, arm };
     let binaries = compile(workspace, machines, Version::Two)?;
+    let of_maps = portable::build(workspace, &portable::MAP, Version::Two, arm)?;
     for version in [Version::Two, Version::Three] {
         let path = workspace.fmu(MODEL_IDENTIFIER, version);
         let name = path.file_name().context("an FMU has a name")?;
         write(collect(workspace, &binaries, machines, version)?, &folder.join(name))?;
+        let (_, description) = cargo::build_map(workspace, version)?;
+        let path = workspace.fmu(MAP_IDENTIFIER, version);
+        let name = path.file_name().context("an FMU has a name")?;
+        write(
+            collect_map(workspace, &of_maps, description, machines, version)?,
+            &folder.join(name),
+        )?;
     }
     Ok(())
 }
@@ -182,27 +192,47 @@ pub fn run_description(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     Ok(path)
 }
 
-/// Builds the FMU of maps for this machine, with the tables of the published variator, and returns
-/// its path.
+/// Builds the FMU of maps, with the tables of the published variator.
 ///
 /// # Errors
 /// As [`run_options`].
-pub fn run_map(workspace: &Workspace, version: Version) -> anyhow::Result<PathBuf> {
+pub fn run_map(workspace: &Workspace, machines: Arguments, version: Version) -> anyhow::Result<()> {
     let _alone = workspace.lock("build")?;
     progress::headline("Compiling the binary of the variator from maps");
-    let (library, description) = cargo::build_map(workspace, version)?;
+    // For its description on this machine, too.
+    let (path, description) = cargo::build_map(workspace, version)?;
+    let binaries = if machines.portable {
+        portable::build(workspace, &portable::MAP, version, machines.arm)?
+    } else {
+        let name = MAP_IDENTIFIER.to_owned();
+        vec![Binary {
+            platform: Platform::host()?,
+            name,
+            path,
+        }]
+    };
+    let archive = collect_map(workspace, &binaries, description, machines, version)?;
+    write(archive, &workspace.fmu(MAP_IDENTIFIER, version))
+}
+
+fn collect_map(
+    workspace: &Workspace,
+    binaries: &[Binary],
+    description: String,
+    machines: Arguments,
+    version: Version,
+) -> anyhow::Result<Archive> {
     let mut archive = Archive::default();
-    let binary = Platform::host()?.binary(version, MAP_IDENTIFIER);
-    let bytes = read(&library)?;
-    exports::check_standard(&bytes).with_context(|| format!("{} can't be packed", library.display()))?;
-    archive.add(binary, bytes)?;
+    for Binary { platform, name, path } in binaries {
+        let bytes = read(path)?;
+        exports::check_standard(&bytes).with_context(|| format!("{} can't be packed", path.display()))?;
+        archive.add(platform.binary(version, name), bytes)?;
+    }
     archive.add("modelDescription.xml", description.into_bytes())?;
     archive.add("resources/maps.json", read(&workspace.map_tables().join("maps.json"))?)?;
     add_licenses(&mut archive, workspace)?;
-    add_third_party(&mut archive, workspace, false)?;
-    let path = workspace.fmu(MAP_IDENTIFIER, version);
-    write(archive, &path)?;
-    Ok(path)
+    add_third_party(&mut archive, workspace, machines.portable)?;
+    Ok(archive)
 }
 
 /// Adds the parameter sets, as JSON and as SSV, and the project's licences.

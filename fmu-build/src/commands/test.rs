@@ -90,8 +90,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
 /// All that the Python tests read.
 fn build_fmus(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     build::run_both(workspace, &arguments.build)?;
-    build::run_map(workspace, Version::Two)?;
-    build::run_map(workspace, Version::Three)?;
+    let here = build::Arguments::default();
+    build::run_map(workspace, here, Version::Two)?;
+    build::run_map(workspace, here, Version::Three)?;
     // Tests selected by the user may need it.
     if arguments.all || !arguments.passed_on.is_empty() {
         build::run_paper(workspace)?;
@@ -122,7 +123,11 @@ fn python_tests(environment: &Environment, arguments: &Arguments) -> anyhow::Res
 
 /// The win64 library in wine, compared with those of Linux and of this machine.
 fn windows_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()> {
-    build::run(workspace, &build::Arguments { portable: true })?;
+    let portable = build::Arguments {
+        portable: true,
+        arm: false,
+    };
+    build::run(workspace, &portable)?;
     progress::headline("Compiling the library for this machine");
     let library = cargo::build_library(workspace)?;
     let tools = Environment::prepare(workspace, &BUILDING)?;

@@ -10,7 +10,7 @@ use crate::commands::build;
 use crate::platform::Version;
 use crate::python::{Environment, PACKING};
 use crate::workspace::{MAP_IDENTIFIER, MODEL_IDENTIFIER, Workspace, copy_tree};
-use crate::{cargo, licenses, progress};
+use crate::{cargo, licenses, portable, progress};
 
 /// 1 January 1980, the earliest date in an archive, so that the bytes of a wheel don't depend on
 /// the date of its build.
@@ -20,9 +20,12 @@ const DATE: &str = "315532800";
 #[derive(Args)]
 pub struct Arguments {
     /// Pack this FMU with its binaries, and those of FMI 3.0 and of maps beside it, instead of
-    /// building them. What is built is portable but for the FMUs of maps, which are of this machine
+    /// building portable ones
     #[arg(long, value_name = "FILE.fmu")]
     fmu: Option<PathBuf>,
+    /// For Linux on ARM: FMUs with its library beside the others, and its tag in the wheel's name
+    #[arg(long, conflicts_with = "fmu")]
+    arm: bool,
     /// Folder that the wheel is written to [default: target/wheels]
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
@@ -35,7 +38,7 @@ pub struct Arguments {
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     let fmus = match &arguments.fmu {
         Some(fmu) => beside(fmu)?,
-        None => build_all(workspace)?,
+        None => build_all(workspace, arguments.arm)?,
     };
     let environment = Environment::prepare(workspace, &PACKING)?;
     let _alone = workspace.lock("wheel")?;
@@ -54,6 +57,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     ])
     // The environment already has the build backend in the version of the lock file.
     .arg("--no-build-isolation")
+    .args(arguments.arm.then(arm_tag))
     .arg("--wheel-dir")
     .arg(&packed)
     .arg(&tree)
@@ -92,21 +96,18 @@ fn beside(fmu: &Path) -> anyhow::Result<Vec<(PathBuf, String)>> {
     Ok(found.filter(|(path, _)| path == fmu || path.is_file()).collect())
 }
 
+/// The option of pip that names the platform of a wheel for Linux on ARM.
+fn arm_tag() -> String {
+    let (major, minor) = portable::GLIBC;
+    format!("--config-settings=--build-option=--plat-name=manylinux_{major}_{minor}_aarch64")
+}
+
 /// Builds all FMUs of the wheel.
-fn build_all(workspace: &Workspace) -> anyhow::Result<Vec<(PathBuf, String)>> {
+fn build_all(workspace: &Workspace, arm: bool) -> anyhow::Result<Vec<(PathBuf, String)>> {
     let folder = workspace.target().join("wheel-fmus");
     fs::create_dir_all(&folder).with_context(|| format!("can't make {}", folder.display()))?;
-    build::run_portable(workspace, &folder)?;
-    names()
-        .map(|(identifier, version, name)| {
-            let path = if identifier == MAP_IDENTIFIER {
-                build::run_map(workspace, version)?
-            } else {
-                folder.join(&name)
-            };
-            Ok((path, name))
-        })
-        .collect()
+    build::run_portable(workspace, arm, &folder)?;
+    Ok(names().map(|(_, _, name)| (folder.join(&name), name)).collect())
 }
 
 /// Copies the files for the build backend: the package with FMUs and published data inside, and the
@@ -120,6 +121,7 @@ fn lay_out(workspace: &Workspace, fmus: &[(PathBuf, String)], tree: &Path) -> an
     copy_tree(&python.join("pushbelt"), &tree.join("pushbelt"))?;
     copy_tree(&root.join("resources"), &data.join("resources"))?;
     copy_tree(&root.join("docs"), &data.join("docs"))?;
+    copy_tree(&root.join("examples"), &data.join("examples"))?;
     let copy = |from: &Path, to: &Path| {
         fs::copy(from, to)
             .map(drop)

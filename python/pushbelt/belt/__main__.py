@@ -28,7 +28,7 @@ from .geometry import Belt, BeltError, Dimensions
 
 OUT_OF_LIMITS = 3
 """Exit code if the set is written, but the ring's stress is beyond its limits, or a load case has no steady state."""
-UNITS = {
+UNITS: dict[str, Any] = {
     "MM": quantity("length", "mm", "30, 30mm or 0.03m"), "M": quantity("length", "m", "0.7 or 700mm"), "N": int,
     "G": quantity("mass", "g", "1.9 or 1.9g"), "GPA": quantity("stress", "GPa", "186 or 186GPa"),
     "DEG": quantity("angle", "deg", "11 or 11deg"), "KG/M3": float,
@@ -95,7 +95,7 @@ def stresses(fmu: Path, values: Mapping[str, float], reach: float, load: Load, s
                 found.append(Stress(ratio, force, reason=str(error)))
                 continue
             cycles = ([state[f"ring.{what}.{pulley}"] for what in ("stressAmplitude", "stressMean")] for pulley in ("primary", "secondary"))
-            found.append(Stress(ratio, force, state["ring.stressMax"], max(steel.equivalent(*one) for one in cycles)))
+            found.append(Stress(ratio, force, state["ring.stressMax"], max(float(steel.equivalent(*one)) for one in cycles)))
     return found
 
 

@@ -116,8 +116,8 @@ class Belt:
         _require(self.pitch_length > 0.0, "the pitch offset is too large for this belt")
         stacked = self.pitch_length - (PLAY if d.play is None else d.play)
         self.elements = d.elements or round(stacked / (d.element_thickness or THICKNESS))
-        both = d.elements and d.element_thickness and d.play is None
-        self.element_thickness = d.element_thickness if both else stacked / self.elements
+        fixed = d.element_thickness if d.elements and d.play is None else None
+        self.element_thickness = fixed or stacked / self.elements
         self.play = self.pitch_length - self.elements * self.element_thickness
         self.element_mass = d.element_mass or ELEMENT_DENSITY * FILL * d.width * d.element_height * self.element_thickness
         self.max_radius = d.max_radius or 0.5 * (d.center_distance - CLEARANCE)

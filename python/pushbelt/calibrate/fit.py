@@ -119,10 +119,10 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
         if wide:
             # One that waits goes first, because nothing has to be fitted again.
             worst = max(wide, key=lambda k: (inner[k] in waiting, spread.halves[k]))
-            lost, again = inner[worst], inner[worst] not in waiting
-            given_up[lost] = _undetermined([parameters[k].name for k in inner], worst, spread)
-            waiting = waiting - {lost}
-            search.hold(lost, start[lost])
+            dropped, again = inner[worst], inner[worst] not in waiting
+            given_up[dropped] = _undetermined([parameters[k].name for k in inner], worst, spread)
+            waiting = waiting - {dropped}
+            search.hold(dropped, float(start[dropped]))
         elif waiting:
             waiting = frozenset()
         else:
@@ -280,10 +280,10 @@ class Search:
         fixed = assign(self.parameters, self.place)
         found = np.zeros((len(self.residuals), len(self.place)))
         found[: len(self.model.values), free] = self.model.slopes(chosen, fixed, self.place[free], self.states, central)
-        for row, k in enumerate((k for k, p in enumerate(self.parameters) if p.prior), len(self.model.values)):
+        for row, (k, prior) in enumerate(((k, p.prior) for k, p in enumerate(self.parameters) if p.prior), len(self.model.values)):
             parameter = self.parameters[k]
             slope = parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start
-            found[row, k] = slope / parameter.prior[1]
+            found[row, k] = slope / prior[1]
         return found
 
     def _loss(self, residuals: Array) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -109,7 +109,8 @@ class Model:
 
         def differences(side: int, places: Sequence[Sequence[int]]) -> Array:
             """One-sided slopes of the model values; NaN where nothing was solved, also where a step would leave the bounds."""
-            jobs, steps = {}, []
+            jobs: dict[tuple[int, int], Any] = {}
+            steps = []
             for k, (parameter, some) in enumerate(zip(parameters, places, strict=True)):
                 low, high = parameter.bounds
                 inside = [step for step in (STEP, -STEP) if low <= at[k] + step <= high][side : side + 1]
@@ -165,7 +166,7 @@ class Score(NamedTuple):
 
     quantity: str
     variator: str
-    count: int  # Values at points with a steady state
+    count: int  # type: ignore[assignment]  # Values at points with a steady state
     lost: int  # Values at points without one
     rms: float
     bias: float  # Mean of model minus measurement

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -94,7 +94,7 @@ def _parameter(
     return Parameter(name, names, first.unit or "1", start, low, high, prior)
 
 
-def assign(parameters: Sequence[Parameter], coordinates: Sequence[float]) -> dict[str, float]:
+def assign(parameters: Sequence[Parameter], coordinates: Iterable[float]) -> dict[str, float]:
     """Values of the FMU's variables at these coordinates."""
     pairs = zip(parameters, coordinates, strict=True)
     return {variable: one.value(float(coordinate)) for one, coordinate in pairs for variable in one.variables}

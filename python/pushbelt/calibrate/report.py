@@ -30,7 +30,7 @@ LEAST_REACH = 3.0  # Least reach of the axis of residuals, in standard deviation
 FAR = 6.0
 """Residual of an outlier, in medians of the absolute residuals. That is four standard deviations of a normal distribution."""
 INSET = 0.02  # Distance of the marks of outliers from the border, as a share of the axis
-LOOKS = ({"colour": BLUE, "size": 7}, {"colour": MUTED, "marker": "circle-open", "size": 6, "opacity": 0.8})
+LOOKS: tuple[dict[str, Any], ...] = ({"colour": BLUE, "size": 7}, {"colour": MUTED, "marker": "circle-open", "size": 6, "opacity": 0.8})
 """Looks of the leading set and of the other one."""
 ARROWS = {(0, 1): "triangle-up", (0, -1): "triangle-down", (1, 0): "triangle-right", (-1, 0): "triangle-left"}
 Range = tuple[float, float]
@@ -84,7 +84,7 @@ def _inside(sets: Sets, x: str, y: str, x_range: Range, y_range: Range, text: Te
         at = rows[[x, y]].to_numpy(dtype=float).T
         sides = np.sign(at - np.clip(at, low, high)).astype(int)
         beyond = sides.any(axis=0)
-        series.append(Series(name, *at[:, ~beyond], kind="points", labels=_labels(rows[~beyond]), **LOOKS[k]))
+        series.append(Series(name, *at[:, ~beyond], **{"kind": "points", "labels": _labels(rows[~beyond]), **LOOKS[k]}))
         if k == 0:
             inset = INSET * (high - low)
             series += _marked(name, rows, np.clip(at, low + inset, high - inset), sides, sum(x_range) / 2, text)
@@ -107,8 +107,8 @@ def _marked(name: str, rows: pd.DataFrame, border: Array, sides: Array, middle: 
             beside = ["middle right" if x < middle else "middle left" for x in border[0, chosen]]
             texts = [text(row) for row in rows.iloc[chosen].itertuples()]
             yield Series(
-                name, *border[:, chosen], **LOOKS[0] | {"kind": "points", "marker": marker, "size": 10},  # type: ignore[arg-type]
-                labels=[": ".join(pair) for pair in zip(_labels(rows.iloc[chosen]), texts, strict=True)], texts=texts,
+                name, border[0, chosen], border[1, chosen], texts=texts, **{**LOOKS[0], "kind": "points", "marker": marker, "size": 10},
+                labels=[": ".join(pair) for pair in zip(_labels(rows.iloc[chosen]), texts, strict=True)],
                 text_sides=[inside if inside and k % 2 else side for k, side in enumerate(beside)],
             )  # fmt: skip
 

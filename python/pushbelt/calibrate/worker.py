@@ -92,6 +92,7 @@ def _started(
 
 def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float | None = None) -> Found:
     ratio = point.ratio if ratio is None else ratio
+    assert ratio is not None, "a point without a ratio has a speed ratio"
     unit = _started(states, parameters, point, ratio, point.speed_ratio or ratio)
     return unit if isinstance(unit, Found) else Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")})
 

@@ -57,6 +57,8 @@ def parser() -> argparse.ArgumentParser:
     fmu.add_argument("--real-outputs", action="store_true", help=text)
     text = "with --fmi3, for importers that read no arrays: each element is a variable, such as profile.pushForce[1]"
     fmu.add_argument("--scalars", action="store_true", help=text)
+    text = "for importers on ARM that look in linux64, such as fmpy: that folder of the copy has the library for ARM"
+    fmu.add_argument("--arm", action="store_true", help=text)
     fmu.add_argument("--fmi3", action="store_true", help="for FMI 3.0 instead of 2.0")
     fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
     maps = command("map-fmu", "write_map_fmu", "write an FMU of a variator from maps")
@@ -74,6 +76,8 @@ def parser() -> argparse.ArgumentParser:
     variables.add_argument("words", nargs="*", metavar="WORD", help="only variables whose name or description contains all words")
     variables.add_argument("--kind", choices=KINDS, help="only these")
     variables.add_argument("--fmu", type=Path, help="the FMU [default: the FMU of the package]")
+    examples = command("examples", "write_examples", "write the examples in Python and C and the notebook to a folder")
+    examples.add_argument("folder", type=Path, metavar="FOLDER", help="a new folder")
     docs = command("docs", "show_docs", "show the pages of the documentation, or one of them")
     docs.add_argument("page", nargs="?", metavar="PAGE", help="page, such as linear")
     return found

@@ -13,7 +13,7 @@ from typing import Any
 from ..errors import ArgumentError, require, similar
 from ..fmu import cache, copies, flat, start_values
 from ..fmu.data import parameter_set
-from ..fmu.files import DOCS, default_fmu, found
+from ..fmu.files import DOCS, EXAMPLES, default_fmu, found
 from ..fmu.unit import Archive, Instance, UnitError
 from ..fmu.untrusted import described
 from ..maps import unit as map_unit
@@ -27,11 +27,14 @@ def write_fmu(options: argparse.Namespace) -> int:
     description = _check_version(fmu, options)
     if options.scalars and description.fmiVersion != "3.0":
         raise ArgumentError(f"--scalars: {fmu} is of FMI {description.fmiVersion}, which has no arrays; --fmi3 takes that of FMI 3.0")
+    if options.arm:
+        copies.check_arm(fmu, description.fmiVersion)
     has_values = options.set or options.variator or options.ssv
     if description.variableNamingConvention == "flat" and (has_values or options.scalars or options.real_outputs):
         raise ArgumentError(f"{fmu} has flat names: write a copy of the original, with --flat and the other options together")
-    source, facts, remarks = fmu, [], []
-    if has_values or not (options.flat or options.scalars or options.real_outputs):
+    source, facts = fmu, []
+    remarks: list[str] = []
+    if has_values or not (options.flat or options.scalars or options.real_outputs or options.arm):
         values, remarks = _chosen(fmu, description, options)
         start_values.write_copy(fmu, options.copy, values)
         source, facts = options.copy, [f"{len(values)} start values"]
@@ -41,7 +44,10 @@ def write_fmu(options: argparse.Namespace) -> int:
         source, facts = options.copy, [*facts, *chosen]
     if options.flat:
         flat.write_copy(source, options.copy)
-        facts.append("flat names")
+        source, facts = options.copy, [*facts, "flat names"]
+    if options.arm:
+        copies.write_arm_copy(source, options.copy)
+        facts.append("linux64 for ARM")
     _print(options.copy, remarks, f" ({', '.join(facts)})")
     return 0
 
@@ -148,6 +154,15 @@ def show_variables(options: argparse.Namespace) -> int:
     for one in found:
         print(f"{one.name}\n    {', '.join([one.causality, *one.facts])}\n    {one.description}")
     print(f"{len(found)} of {len(variables)} variables" + ("" if fields else "; `pushbelt variables profile.` lists the fields"))
+    return 0
+
+
+def write_examples(options: argparse.Namespace) -> int:
+    """`pushbelt examples`: copies those that need no Rust."""
+    if options.folder.exists():
+        raise ArgumentError(f"{options.folder} is there already: name a new folder")
+    shutil.copytree(EXAMPLES, options.folder, ignore=shutil.ignore_patterns("*.rs", "cosim", "__pycache__"))
+    print(options.folder.resolve())
     return 0
 
 

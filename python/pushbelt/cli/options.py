@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import MissingFileError
 from ..fmu.enumerations import RingModel
@@ -90,8 +90,8 @@ def add_material(parser: argparse._ActionsContainer, *safety: str) -> None:
     for name, (kind, text) in STEEL.items():
         default = getattr(Material, name) * (1e-6 if kind is stress else 1.0)
         names = ["--stress-safety", *safety] if name == "safety" else [f"--{name}"]
-        text = f"{text} [default: {default:g}]"
-        parser.add_argument(*names, type=kind, default=getattr(Material, name), metavar=kind.__name__.upper(), help=text)
+        shown = f"{text} [default: {default:g}]"
+        parser.add_argument(*names, type=kind, default=getattr(Material, name), metavar=kind.__name__.upper(), help=shown)
 
 
 def material(options: argparse.Namespace) -> Material:
@@ -149,7 +149,7 @@ def stress(text: str) -> float:
     return quantity("stress", "MPa", "2000, 2000MPa or 2GPa")(text)
 
 
-STEEL = {
+STEEL: dict[str, tuple[Any, str]] = {
     "strength": (stress, "tensile strength R_m, MPa or with its unit"),
     "limit": (stress, "fatigue limit: amplitude without mean stress that half of the specimens bear, MPa or with its unit"),
     "knee": (float, "cycles to failure at the fatigue limit"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -83,6 +84,6 @@ def overlay(pair: Pair, wanted: Sequence[str] = (), group: str = "") -> Chart:
         runs = zip(looks, pair.runs, strict=True)
         return [Series(who, run.time, shown[name][0] * run[name], colour, dash=dash) for (who, colour, dash), run in runs]
 
-    rows = [(f"{name} ({shown[name][1]})" if name in pair.units else name, lines(name), {}) for name in names]
+    rows: list[tuple[str, list[Series], dict[str, Any]]] = [(f"{name} ({shown[name][1]})" if name in pair.units else name, lines(name), {}) for name in names]
     panels = stack(rows, "time (s)", x_range=(start, end), height=170)
     return Chart(panels, f"Both runs of {pair.name} over time", columns=2, linked=True, group=group, least_width=330)

@@ -40,7 +40,7 @@ def load_cases(results: Sequence[LoadCaseResult]) -> Chart:
     thrust, efficiency = [], []
     for name, colour in RATIO_COLOURS.items():
         line = sorted((r for r in results if r.case.ratio_name == name), key=lambda r: r.case.torque)
-        marked = {"colour": colour, "marker": "circle"}
+        marked: dict[str, Any] = {"colour": colour, "marker": "circle"}
         thrust.append(Series(name, torques, [r.steady["thrustRatio"] for r in line], **marked))
         efficiency.append(Series(name, torques, [100 * r.steady["efficiency"] for r in line], **marked))
     lines = {"Thrust ratio": thrust, "Efficiency of the shafts (%)": efficiency}
@@ -87,7 +87,7 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
     residual = [line("residual", trace["energy.residual"], VIOLET), *bounds]
     losses = [line(name, 1e-3 * trace[part], colour) for part, name, colour in LOSSES if np.any(trace[part])]
     marks = [Mark(event.start, str(k)) for k, event in enumerate((e for e in events if e.occurred), start=1)]
-    rows = [
+    rows: list[tuple[str, list[Series], dict[str, Any]]] = [
         ("Torques (N·m)", torques, {"marks": marks}),
         ("Axial forces (kN)", forces, {}),
         ("Speeds (rpm)", _speeds(line, trace), {}),
@@ -96,7 +96,7 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
         ("Losses (kW), linear to 1 kW, logarithmic beyond", losses, kilowatts),
         ("Energy residual: supplied minus lost minus stored (J)", residual, {}),
     ]
-    common = {"x_range": (float(trace.time[0]), float(trace.time[-1])), "height": 190, "marks": [Mark(mark.x) for mark in marks]}
+    common: dict[str, Any] = {"x_range": (float(trace.time[0]), float(trace.time[-1])), "height": 190, "marks": [Mark(mark.x) for mark in marks]}
     panels = stack(rows, TIME, shades=_macro_slip(trace.time, trace["macroSlip"]), **common)
     label = "Torques, axial forces, speeds, ratio, slip, losses and energy residual over time"
     return Chart(panels, label, linked=True, group=GROUP)
@@ -138,7 +138,7 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
     """Fields along the belt, with shaded arcs. A chain has neither push force nor gaps."""
     order = np.append(np.arange(len(profile.position)), 0)
     xi = 1e3 * np.append(profile.position, curve.length)
-    rows = (
+    rows: tuple[tuple[str, Array, str], ...] = (
         ("Push force (kN)", 1e-3 * profile.push_force, BLUE),
         ("Ring tension (kN)", 1e-3 * profile.ring_tension, ORANGE),
         ("Normal force per flank (kN/m)", 1e-3 * profile.normal_force, GREEN),

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -84,7 +85,8 @@ def run_all(fmu: Path, variator: str, *, short: bool = False) -> DemoResults:
     belt_described(fmu)
     with Archive.unpack(fmu) as archive:
         # The manoeuvre starts first, because it takes longest and cannot be divided.
-        calls = [(_manoeuvre, (archive, variator, inputs, duration)), *((_case, (archive, variator, case)) for case in cases)]
+        calls: list[tuple[Callable[..., Any], tuple[Any, ...]]] = [(_manoeuvre, (archive, variator, inputs, duration))]
+        calls += [(_case, (archive, variator, case)) for case in cases]
         total = _MANOEUVRE_TICKS + _CASE_TICKS * len(cases)
         run, *states = run_side_by_side(calls, total, "load cases and manoeuvre")
         return DemoResults(archive.version, tuple(states), run, parameters, archive.units, variator)

@@ -28,8 +28,8 @@ class Measured:
     @classmethod
     def from_signals(cls, signals: Mapping[str, float], torque: float) -> Measured:
         """Measured values from signals by the names of FMU variables and the estimated torque, N·m."""
-        names = ("primary.speed", "ratio.geometric", "slip", "macroSlip", "primary.radius")
-        return cls(*(signals[name] for name in names), torque)
+        speed, ratio, slip, radius = (signals[name] for name in ("primary.speed", "ratio.geometric", "slip", "primary.radius"))
+        return cls(speed, ratio, slip, bool(signals["macroSlip"]), radius, torque)
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class SafetyFactor:
     def __init__(self, friction: Friction, safety: float = 1.3) -> None:
         self.friction, self.safety = friction, safety
 
-    def force(self, measured: Measured, step: float, overruled: bool = False) -> float:  # noqa: ARG002
+    def force(self, measured: Measured, step: float, overruled: bool = False) -> float:
         """Secondary clamping force, N."""
         return self.friction.clamping_force(measured, self.safety)
 

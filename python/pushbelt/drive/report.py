@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, INK, MUTED)
 """Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
 GROUP = "drive"  # Group name of charts and belt that share a cursor
-LOOKS = ({"colour": ORANGE, "dash": "dash"}, {"colour": BLUE})  # Looks of the fixed safety factor and of slip control
+LOOKS: tuple[dict[str, Any], ...] = ({"colour": ORANGE, "dash": "dash"}, {"colour": BLUE})  # Looks of the fixed safety factor and of slip control
 CSV_STEP = 0.1  # Time between the rows of the results, s
 
 
@@ -64,7 +64,7 @@ class Merit(NamedTuple):
     lost_per_km: float  # Energy lost in variator and pump, J/km; NaN at a standstill
 
 
-def merit(run: Run, pump: Pump = Pump()) -> Merit:  # noqa: B008
+def merit(run: Run, pump: Pump = Pump()) -> Merit:
     """Figures of merit of a run, by sums over the communication steps."""
     # Powers are those of the belt, without the drag of the shafts.
     into_the_belt = sum(np.maximum(run[f"{pulley}.power"], 0.0).sum() for pulley in PULLEYS)
@@ -87,7 +87,7 @@ def drive(run: Run, group: str = "") -> Chart:
 
     losses = [line(part, run[f"loss.{part}"], c) for part, c in LOSS_COLOURS.items() if run[f"loss.{part}"].any()]
     ratios = [line("target", run["ratio.target"], ORANGE, 1.8), line("ratio.geometric", run["ratio.geometric"], BLUE)]
-    rows = [
+    rows: list[tuple[str, list[Series], dict[str, Any]]] = [
         ("Speed (km/h)", [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)], {}),
         ("Ratio r_S/r_P", ratios, {"scale": "log", "y_ticks": RATIO_TICKS}),
         ("Speeds (rpm)", [line("engine", RPM * run["engine.speed"], ORANGE), line("primary pulley", RPM * run["primary.speed"], BLUE)], {}),
@@ -152,11 +152,11 @@ def operating_points(table: ThrustMap, run: Run) -> Chart:
     ratio, utilisation, thrust = (run[name][some] for name in ("ratio.geometric", "utilisation.signed", "thrustRatio"))
     expected = [table.thrust_ratio(i, u) for i, u in zip(ratio, utilisation, strict=True)]
     ends = [float(table.thrust.min()), float(table.thrust.max())]
-    points = {"colour": BLUE, "kind": "points", "size": 4, "opacity": 0.6, "labels": [f"{time:.1f} s" for time in run.time[some]]}
+    points: dict[str, Any] = {"colour": BLUE, "kind": "points", "size": 4, "opacity": 0.6, "labels": [f"{time:.1f} s" for time in run.time[some]]}
     lines = Field("map", table.ratios, table.utilisations, table.thrust.T, lines_only=True)
     worked, same = Series("worked at", ratio, utilisation, **points), Series("as in the map", ends, ends, INK, width=0.9)
-    axes = {"x_label": "ratio", "y_label": "torque utilisation", "x_scale": "log", "x_ticks": RATIO_TICKS, "height": 350}
-    compared = {"x_label": "of the map (steady)", "y_label": "of the belt", "y_range": (ends[0] - 0.5, ends[1] + 0.5), "height": 350}
+    axes: dict[str, Any] = {"x_label": "ratio", "y_label": "torque utilisation", "x_scale": "log", "x_ticks": RATIO_TICKS, "height": 350}
+    compared: dict[str, Any] = {"x_label": "of the map (steady)", "y_label": "of the belt", "y_range": (ends[0] - 0.5, ends[1] + 0.5), "height": 350}
     panels = [
         Panel("Thrust ratio of the map, and operating points", [worked], fields=[lines], **axes),
         Panel("Thrust ratio while driving", [Series("belt", expected, thrust, **points), same], **compared),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from pushbelt.errors import ArgumentError
@@ -81,10 +82,12 @@ class TransmissionControl:
 
     def __init__(self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap, scale: float = 1.0) -> None:
         self.car, self._scale = car, scale
-        strategies = {"safety": lambda: SafetyFactor(friction), "slip": lambda: SlipControl(friction, thrust_map, car.engine_inertia)}
+        strategies: dict[str, Callable[[], SafetyFactor | SlipControl]] = {
+            "safety": lambda: SafetyFactor(friction), "slip": lambda: SlipControl(friction, thrust_map, car.engine_inertia),
+        }  # fmt: skip
         if strategy not in strategies:
             raise ArgumentError(f"{strategy!r} is not a clamping strategy: use {' or '.join(strategies)}")
-        self.clamping: SafetyFactor | SlipControl = strategies[strategy]()
+        self.clamping = strategies[strategy]()
         self.primary, self.secondary = PressureCircuit(START_PRESSURE), PressureCircuit(START_PRESSURE)
         self.shifting = RatioControl(friction, thrust_map, self.primary.limits)
         self._overruled = False

@@ -151,8 +151,8 @@ def damage(table: Table, material: Material, parameters: Mapping[str, float]) ->
         sizes = part.amplitude.max(axis=1)
         impossible = moving & ~((low <= sizes) & (sizes <= most)) & (name != OTHERS)
         column = part.column.replace("Mean", "Amplitude")
-        table.refuse(impossible, column, lambda row, sizes=sizes: f"an amplitude of {sizes[row]:.4g} {limits}")
+        table.refuse(impossible, column, lambda row, sizes=sizes: f"an amplitude of {sizes[row]:.4g} {limits}")  # type: ignore[misc]
         for what, stress in (("mean", part.mean), ("largest", part.mean + part.amplitude)):
             sizes, text = stress.max(axis=1), f"the {what} stress, {{:.4g}} Pa, is not below the strength, {material.strength:.4g} Pa"
-            table.refuse(sizes >= material.strength, part.column, lambda row, sizes=sizes, text=text: text.format(sizes[row]))
+            table.refuse(sizes >= material.strength, part.column, lambda row, sizes=sizes, text=text: text.format(sizes[row]))  # type: ignore[misc]
     return Damage(table, material, parameters, parts)

@@ -173,7 +173,7 @@ def clamping(result: Damage) -> list[tuple[float, float, float, float]]:
     found = [(factor, result if factor == 1.0 else result.clamped(factor)) for factor in CLAMPING]
     if any(one is None for _, one in found):
         return []
-    return [(factor, one.total, one.total_without_limit, one.utilisation) for factor, one in found]
+    return [(factor, one.total, one.total_without_limit, one.utilisation) for factor, one in found if one is not None]
 
 
 def _rows(results: Sequence[Damage], names: Sequence[str]) -> Iterator[list[Any]]:

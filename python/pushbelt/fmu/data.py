@@ -148,5 +148,5 @@ def load_case_speed() -> float:
 
 def manoeuvre_inputs() -> Trace:
     table = np.genfromtxt(RESOURCES / "manoeuvre.csv", delimiter=",", names=True, deletechars="", encoding="utf-8")
-    time, *names = table.dtype.names
+    time, *names = table.dtype.names or ()
     return Trace(table[time], {name: table[name] for name in names})

@@ -12,6 +12,7 @@ DATA = PACKAGE / "data"  # Folder of a wheel with the FMU and the published data
 TREE = PACKAGE.parents[1]  # Top level of the source tree
 RESOURCES = (DATA if DATA.is_dir() else TREE) / "resources"  # Parameter sets, published variators and the manoeuvre
 DOCS = (DATA if DATA.is_dir() else TREE) / "docs"  # Pages of the documentation
+EXAMPLES = (DATA if DATA.is_dir() else TREE) / "examples"
 NAME = "PushbeltVariator.fmu"
 
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import ArgumentError
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 EDGE = 0.012
 """Least distance from the arcs at which a field on a strand is read, m. Pressure extends some millimetres beyond the arcs."""
 
@@ -105,4 +106,5 @@ class TwoPulleyCurve:
         """Change of the push force over the primary arc, the push strand and the secondary arc, N."""
         _, upper_start, upper_end, lower_start, lower_end, _ = self.borders
         places = [upper_end - EDGE, lower_start + EDGE, lower_end - EDGE, upper_start + EDGE]
-        return tuple(np.diff(np.interp(places, position, push_force)).tolist())
+        upper, between, lower = np.diff(np.interp(places, position, push_force)).tolist()
+        return upper, between, lower

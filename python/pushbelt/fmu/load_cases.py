@@ -38,6 +38,7 @@ def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float
         slope = found / load if before is None else (found - before[1]) / (load - before[0])
         before = load, found
         load += limit if slope == 0.0 else max(-limit, min(limit, -excess / slope))
+    assert before is not None
     last = f"the last one, {before[0]:g} N·m, gives {before[1]:g} N·m"
     raise NotFoundError(f"no load torque gives a belt torque of {wanted:g} N·m; {last}")
 

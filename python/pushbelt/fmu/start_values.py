@@ -6,7 +6,7 @@ import hashlib
 import math
 import zipfile
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -47,14 +47,15 @@ class Variable:
     @classmethod
     def of(cls, declared: Any) -> Variable:
         """A variable of a model description that fmpy has read."""
-        read = {"Boolean": lambda text: str(text).lower() in ("true", "1"), "Integer": int, "Enumeration": int}.get(declared.type, float)
+        reads: dict[str, Callable[[Any], float]] = {"Boolean": lambda text: str(text).lower() in ("true", "1"), "Integer": int, "Enumeration": int}
+        read = reads.get(declared.type, float)
+        low, high, nominal = (None if text is None else float(text) for text in (declared.min, declared.max, declared.nominal))
         items = declared.declaredType.items if declared.type == "Enumeration" else ()
         return cls(
-            **{name: getattr(declared, name) for name in ("name", "type", "causality", "variability")},
+            name=declared.name, type=declared.type, causality=declared.causality, variability=declared.variability,
             unit=declared.unit or "1", description=declared.description or "",
             start=None if declared.start is None else read(declared.start),
-            **{key: None if (text := getattr(declared, key)) is None else float(text) for key in ("min", "max", "nominal")},
-            items={one.name: int(one.value) for one in items},
+            min=low, max=high, nominal=nominal, items={one.name: int(one.value) for one in items},
         )  # fmt: skip
 
     @property
@@ -63,7 +64,7 @@ class Variable:
         unit, found = "" if self.unit == "1" else f" {self.unit}", []
         if self.start is not None:
             named = {number: name for name, number in self.items.items()}
-            shown = str(self.start) if self.type == "Boolean" else named.get(self.start, f"{self.start:g}")
+            shown = str(self.start) if self.type == "Boolean" else named.get(int(self.start), f"{self.start:g}")
             found.append(f"start {shown}{unit}")
         if self.items:
             found.append(f"one of {', '.join(self.items)}")

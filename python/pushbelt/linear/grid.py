@@ -20,7 +20,8 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arguments import checks, mapping, number, path as a_path, refused
+from ..arguments import checks, mapping, number, refused
+from ..arguments import path as a_path
 from ..errors import ArgumentError, package
 from ..fmu.results import dataframe
 from ..fmu.untrusted import InputFileError
@@ -86,7 +87,7 @@ def interpolated(models: Weighted) -> LinearModel:
         a, b, c = _matrices(*(np.tensordot(weights, np.array(each), 1) for each in zip(*parts, strict=True)))
     return replace(
         first, a=a, b=b, c=c, d=mean(attrgetter("d")), poles=sorted_poles(a),
-        **{name: named(attrgetter(name)) for name in ("held", "given", "values")},
+        held=named(attrgetter("held")), given=named(attrgetter("given")), values=named(attrgetter("values")),
         slip=float(mean(attrgetter("slip"))), macro_slip=any(one.macro_slip for one, _ in models),
         remarks=tuple(dict.fromkeys(remark for one, _ in models for remark in one.remarks)),
     )  # fmt: skip
@@ -153,7 +154,7 @@ class LinearGrid:
 
     def refused(self) -> Iterator[tuple[dict[str, float], str]]:
         """Points without a model: values by axis, and the reason."""
-        return ((self.point(place), self.reasons[place]) for place, model in np.ndenumerate(self.models) if model is None)
+        return ((self.point(place), str(self.reasons[place])) for place, model in np.ndenumerate(self.models) if model is None)
 
     def point(self, place: tuple[int, ...]) -> dict[str, float]:
         """Values by axis at a point, by its index along each axis."""
@@ -199,6 +200,7 @@ class LinearGrid:
 
         Raises ArgumentError for another extension, or if no point has a model, MissingFileError or FileError if it cannot be written.
         """
+        path = Path(path)
         writers: dict[str, Callable[[LinearGrid, Path], None]] = {".npz": _npz, ".mat": _mat, ".json": _json}
         if path.suffix not in writers:
             raise ArgumentError(f"{path}: the extension must be one of {', '.join(writers)}")
@@ -216,6 +218,7 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
 
     Raises InputFileError for any other file, MissingFileError or FileError if it cannot be read.
     """
+    path = Path(path)
     path.open("rb").close()
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -273,13 +276,14 @@ def _npz(grid: LinearGrid, path: Path) -> None:
         return found
 
     first = next(iter(there.values()))
+    tables: dict[str, Any] = {name: full(name) for name in next(iter(rows.values()))}
+    tables |= {f"axis.{name}": values for name, values in grid.axes.items()}
     np.savez_compressed(
         path, about=ABOUT, coordinates=first.coordinates, sampleTime=first.sample_time or np.nan,
-        **{name: full(name) for name in next(iter(rows.values()))},
         inputs=np.array(first.inputs), outputs=np.array(first.outputs),
         units=np.array([first.units[name] for name in (*first.inputs, *first.outputs)]),
         frequency=first.frequency, reasons=grid.reasons.astype(str), axes=np.array(list(grid.axes), dtype=str),
-        **{f"axis.{name}": values for name, values in grid.axes.items()},
+        **tables,
     )  # fmt: skip
 
 

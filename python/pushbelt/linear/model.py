@@ -181,7 +181,7 @@ class LinearModel:
         return ss(*matrices, **plain)
 
 
-def _solved(matrix: NDArray[np.complex128], right: Array) -> NDArray[np.complex128]:
+def _solved(matrix: NDArray[np.complex128], right: Array) -> NDArray[Any]:
     try:
         return np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:

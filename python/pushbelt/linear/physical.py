@@ -42,7 +42,7 @@ def coordinates(inputs: Sequence[str]) -> list[str]:
 def modes_needed(model: LinearModel) -> int:
     """Number of modes that `physical` takes: the number of coordinates, plus one if that would divide an oscillating pair."""
     n = len(coordinates(model.inputs))
-    return n + np.count_nonzero(model.poles[:n].imag) % 2 if n <= len(model.poles) else n
+    return n + int(np.count_nonzero(model.poles[:n].imag)) % 2 if n <= len(model.poles) else n
 
 
 def physical(model: LinearModel) -> LinearModel:

@@ -53,7 +53,7 @@ class Asked(NamedTuple):
     def axes(self, variator: Variator) -> dict[str, Any]:
         """Arguments of `linear_grid`: the specified points, and start values of the variator for what is not specified. A single number
         of speed or force is not an axis. Without a force or a safety factor the force is that of the variator's inputs."""
-        found = {axis: self.points.get(name, [variator[name]]) for name, axis in AXES.items()}
+        found: dict[str, Any] = {axis: self.points.get(name, [variator[name]]) for name, axis in AXES.items()}
         found |= {axis: found[axis][0] for axis in ("speed", "force") if len(found[axis]) == 1}
         found |= {"ratios": found.pop("ratio"), "torques": found.pop("torque"), "safety": self.safety}
         return found if FORCE in self.points else found | {"force": None}
@@ -145,7 +145,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         axes = wanted.axes(variator)
         size = math.prod(len(values) for values in (*axes.values(), *wanted.changes.values()) if isinstance(values, list))
         with progress_bar(size, "working points") as bar:
-            each = {"changes": wanted.changes, "after_each": lambda: bar.update(1)}
+            each: dict[str, Any] = {"changes": wanted.changes, "after_each": lambda: bar.update(1)}
             grid = variator.linear_grid(**axes, **each, **given)
     return write(without_other_loads(grid, wanted.loads), options)
 

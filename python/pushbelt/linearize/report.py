@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pushbelt.linear.grid import LinearGrid
 from pushbelt.linear.model import Array, LinearModel
@@ -89,7 +88,7 @@ def bode(drawn: Sequence[Drawn]) -> Iterator[Chart]:
     first = drawn[0].model
     frequencies = np.geomspace(LOWEST, first.frequency, 300)
     found = np.array([one.model.response(2.0 * np.pi * frequencies) for one in drawn])
-    log = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, first.frequency)}
+    log: dict[str, Any] = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, first.frequency)}
     for k, output in enumerate(first.outputs):
         panels = []
         for m, load in enumerate(first.inputs):
@@ -101,7 +100,7 @@ def bode(drawn: Sequence[Drawn]) -> Iterator[Chart]:
         yield Chart(panels, f"Bode plots of {output}", columns=2, common_legend=True, least_width=330)
 
 
-def phases(responses: Sequence[NDArray[np.complex128]]) -> list[Array]:
+def phases(responses: Iterable[Array]) -> list[Array]:
     """Phases over frequency without jumps and on one branch, °. The means over the frequencies are within one turn, cut
     where neighbouring means are the farthest apart. So similar responses are never a turn apart. The mean of all is the
     closest to zero."""

@@ -18,7 +18,8 @@ from zlib import error
 
 import numpy as np
 
-from ..arguments import checks, mapping, path as a_path, text
+from ..arguments import checks, mapping, text
+from ..arguments import path as a_path
 from ..errors import PushbeltError, package
 from ..fmu.geometry import Array
 from ..fmu.results import item
@@ -170,6 +171,7 @@ class Maps:
     @checks(path=a_path)
     def write(self, path: str | os.PathLike[str]) -> None:
         """Writes `.json`, `.npz` or `.nc`."""
+        path = Path(path)
         write = _of_suffix(path, {".json": self._write_json, ".npz": self._write_npz, ".nc": self._write_netcdf})
         path.parent.mkdir(parents=True, exist_ok=True)
         write(path)
@@ -178,6 +180,7 @@ class Maps:
     @checks(path=a_path)
     def read(cls, path: str | os.PathLike[str]) -> Maps:
         """Reads a file of `write`. Raises MapError for another or damaged file, MissingFileError or FileError if it cannot be read."""
+        path = Path(path)
         read = _of_suffix(path, {".json": lambda one: json.loads(one.read_bytes()), ".npz": _read_npz, ".nc": _read_netcdf})
         path.open("rb").close()
         try:
@@ -209,6 +212,7 @@ class Maps:
                 setattr(file, name, text.encode())
             for name in AXES:
                 file.createDimension(name, len(self.axes[name]))
+            about: Any
             for name, about in {**AXES, **TABLES}.items():
                 variable = file.createVariable(name, "d", (name,) if name in AXES else TABLES[name].axes)
                 variable[:] = self.axes[name] if name in AXES else self.tables[name]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -19,7 +20,7 @@ ROWS = 61  # Number of values over the utilisation in a map with a border
 MOST_TICKS = 9  # Largest number of ticks of a colour bar
 COVER = "#f1f4f7"
 """Colour of what is beyond the capacity."""
-MARKS = {
+MARKS: dict[str, dict[str, Any]] = {
     "solved": {"colour": MUTED, "marker": "circle", "size": 2.5},
     "slips through": {"colour": INK, "marker": "circle-open", "size": 6.0},
     "no steady state": {"colour": RED, "marker": "x-thin-open", "size": 7.0},
@@ -63,7 +64,7 @@ def levels_of(values: Array, preferred: Sequence[float] | None = None) -> Array:
         inside = np.flatnonzero((levels >= low) & (levels <= high))
         if inside.size >= 2:
             return levels[max(inside[0] - 1, 0) : inside[-1] + 2]
-    return MaxNLocator(12).tick_values(low, max(high, low + 1e-6))
+    return np.asarray(MaxNLocator(12).tick_values(low, max(high, low + 1e-6)))
 
 
 def middle_of(levels: Array) -> int | None:
@@ -91,7 +92,7 @@ def panel(
     series = []
     for kind, where in kinds.items():
         shown = [f"{value:.4g} {unit}" if np.isfinite(value) else kind for value in values[where]]
-        series.append(Series(kind, *places[:, where], kind="points", labels=shown, **MARKS[kind]))  # type: ignore[arg-type]
+        series.append(Series(kind, *places[:, where], **{"kind": "points", "labels": shown, **MARKS[kind]}))
     fields: list[Field] = []
     rows = _rows(utilisation, border)
     ends = around([rows], 0.04)
@@ -103,10 +104,10 @@ def panel(
         middle, every = middle_of(levels), -(-len(levels) // MOST_TICKS)
         ticks = tuple((float(k), f"{level:g}".replace("-", MINUS)) for k, level in enumerate(levels))
         span = (0.0, float(len(levels) - 1), 1.0)
-        shown = ticks[(middle or 0) % every :: every]
-        fields = [Field(quantity.name, ratio, rows, steps.T, span, shown, middle=middle, unit=unit)]
-    labels = {"x_label": "ratio r_S/r_P", "y_label": "torque utilisation"}
-    return Panel(title, series, **labels, fields=fields, x_scale="log", x_ticks=TICKS, y_range=ends, height=250)
+        named = ticks[(middle or 0) % every :: every]
+        fields = [Field(quantity.name, ratio, rows, steps.T, span, named, middle=middle, unit=unit)]
+    labels = "ratio r_S/r_P", "torque utilisation"
+    return Panel(title, series, *labels, fields=fields, x_scale="log", x_ticks=TICKS, y_range=ends, height=250)
 
 
 def _rows(utilisation: Array, border: Border) -> Array:

@@ -112,7 +112,7 @@ class Plan(Tasks):
         return partial(working_points.measure, along=along)
 
     @property
-    def common(self) -> Mapping[str, float]:
+    def common(self) -> Mapping[str, float]:  # type: ignore[override]
         # The forces of the maps are whole ones.
         return {**self.full, **SHAFTS, **{name: 0.0 for name in self.full if ".cylinder." in name}}
 
@@ -170,7 +170,7 @@ def _states(plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: 
     """The table `state`, and the reasons for missing steady states."""
     state, reasons = np.where(slipping > 0.0, 1.0, 0.0), {}
     for index in range(len(plan.tasks())):
-        place = np.unravel_index(index, state.shape[:3])
+        place: tuple[Any, ...] = np.unravel_index(index, state.shape[:3])
         row = rows.get(index, {})
         for k, utilisation in enumerate(utilisations):
             why = row["reasons"].get(f"{utilisation:g}") if "points" in row else row.get("reason", "not solved")

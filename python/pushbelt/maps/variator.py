@@ -48,7 +48,7 @@ class _Place(NamedTuple):
     lines: NDArray[np.intp]
     weights: Array
 
-    def mean(self, rows: Array, columns: int = 1, column: ArrayLike = 0) -> Array:
+    def mean(self, rows: Array, columns: int = 1, column: NDArray[np.intp] | int = 0) -> Array:
         """Weighted means of rows of numbers, shape (numbers, variators). A line has `columns` rows."""
         return np.einsum("kn,knm->mn", self.weights, rows.take(self.lines * columns + column, axis=0))
 

@@ -1,7 +1,8 @@
 """Interactive figures: lines, points, bars and maps with hover text, zoom and a legend that shows and hides them.
 
 The input is plain data, the output an HTML fragment. A `Chart` is a group of panels in a responsive grid. `plotly.js`
-draws each panel; `charts.js.j2` has the layout that all panels have, and adds the legend, the cursor and the keys. Panels of a linked chart share cursor and zoom along x.
+draws each panel; `charts.js.j2` has the layout that all panels have, and adds the legend, the cursor and the keys. Panels of
+a linked chart share cursor and zoom along x.
 """
 
 from __future__ import annotations
@@ -226,7 +227,7 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
     if one.kind == "line" and not one.marker:
         x, y = thinned(x, y)
     mode = "markers" if one.kind == "points" else "lines+markers" if one.marker else "lines"
-    trace = common | {"type": "scatter", "mode": mode, "x": encoded(x), "y": encoded(y)}
+    trace: dict[str, Any] = common | {"type": "scatter", "mode": mode, "x": encoded(x), "y": encoded(y)}
     if one.kind == "line":
         trace["line"] = {"color": one.colour, "width": one.width, "dash": one.dash or "solid"}
     if one.marker or one.kind == "points":
@@ -240,7 +241,7 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
 
 
 def _hover(one: Series) -> dict[str, Any]:
-    said = {"hoverinfo": "all", "hovertemplate": "%{x:.4~g}: <b>%{y:.4~g}</b><extra>" + escape(one.name) + "</extra>"}
+    said: dict[str, Any] = {"hoverinfo": "all", "hovertemplate": "%{x:.4~g}: <b>%{y:.4~g}</b><extra>" + escape(one.name) + "</extra>"}
     if one.labels is not None:
         said |= {"customdata": list(one.labels), "hovertemplate": said["hovertemplate"].replace("%{x:.4~g}", "%{customdata}")}
     return said
@@ -317,7 +318,7 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
     y_ticks, y_range = panel.y_ticks, panel.y_range
     if panel.scale == "symlog":
         y_ticks = tuple((float(symlog(place, panel.linear_to)), text) for place, text in y_ticks)
-        y_range = None if y_range is None else tuple(float(v) for v in symlog(y_range, panel.linear_to))
+        y_range = None if y_range is None else (float(symlog(y_range[0], panel.linear_to)), float(symlog(y_range[1], panel.linear_to)))
     layout: dict[str, Any] = {
         "xaxis": _axis(panel.x_label, panel.x_ticks, panel.x_range, panel.x_scale),
         "yaxis": _axis(panel.y_label, y_ticks, y_range, panel.scale),
@@ -327,7 +328,7 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
     }  # fmt: skip
     if linked:
         layout["margin"]["l"], layout["yaxis"]["automargin"] = 62, False  # The plot areas of all panels have the same left edge.
-    if any(one.label for one in (*panel.marks, *panel.shades)):
+    if any(mark.label for mark in panel.marks) or any(shade.label for shade in panel.shades):
         layout["margin"]["t"] = 24
     if panel.equal:
         layout["yaxis"] |= {"scaleanchor": "x", "scaleratio": 1}

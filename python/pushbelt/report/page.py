@@ -50,7 +50,7 @@ def short(value: float) -> str:
 def _environment(folder: Path | None = None, **filters: Any) -> jinja2.Environment:
     here = Path(__file__).parent
     loader = jinja2.FileSystemLoader([*([folder] if folder else []), here.parent, here])
-    options = {"autoescape": True, "undefined": jinja2.StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
+    options: dict[str, Any] = {"autoescape": True, "undefined": jinja2.StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
     environment = jinja2.Environment(loader=loader, **options)
     environment.filters.update({"number": number, "percent": percent, "short": short, **filters})
     return environment

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -35,12 +36,12 @@ def colour_stops(middle: float | None = None) -> list[tuple[float, str]]:
 
 def mixed(colours: Sequence[str], at: Sequence[float], places: Sequence[float] | None = None) -> list[str]:
     """Colours at places between others, which are evenly spaced from 0 to 1 by default."""
-    places = np.linspace(0.0, 1.0, len(colours)) if places is None else places
-    channels = [np.interp(at, places, [int(colour[k : k + 2], 16) for colour in colours]) for k in (1, 3, 5)]
+    between = np.linspace(0.0, 1.0, len(colours)) if places is None else places
+    channels = [np.interp(at, between, [int(colour[k : k + 2], 16) for colour in colours]) for k in (1, 3, 5)]
     return ["#" + "".join(f"{round(value):02x}" for value in colour) for colour in zip(*channels, strict=True)]
 
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans", "font.size": 9, "lines.linewidth": 1.4, "legend.frameon": False, "legend.fontsize": 8.5,
     "axes.titlesize": 9.5, "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.titlecolor": INK, "axes.labelcolor": INK,
     "axes.edgecolor": MUTED, "axes.linewidth": 0.8, "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,

@@ -73,7 +73,7 @@ class UnitPlugin(WorkerPlugin):
         archive = self._cleanup.enter_context(Archive.unpack(file, folder / "unpacked"))
         self.solver = self._cleanup.enter_context(closing(self._load(archive)))
 
-    def teardown(self, worker: Any) -> None:  # noqa: ARG002
+    def teardown(self, worker: Any) -> None:
         self._cleanup.close()
 
 
@@ -95,7 +95,7 @@ def shipped(client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules
 
     def solve(chunk: Chunk) -> Rows:
         # A local function is pickled by value: scheduler and workers do not have this project's modules.
-        return get_worker().plugins[name].solver.solve(chunk)
+        return get_worker().plugins[name].solver.solve(chunk)  # type: ignore[attr-defined]
 
     try:
         yield solve

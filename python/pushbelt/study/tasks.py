@@ -33,8 +33,8 @@ class Tasks(ABC):
     fmu: Path
     parameters: Mapping[str, float]  # Start values of the FMU by name
     procedure: ClassVar[tuple[ModuleType, ...]]  # Modules that determine the results. They are sent to the workers.
-    measure: ClassVar[Callable[[SteadyStates, Any], Row]]
-    """The function that solves a task. It raises UnitError with the reason if there is no result."""
+    measure: ClassVar[Any]
+    """The function that solves a task, from `SteadyStates` and the task to a row. It raises UnitError with the reason if there is no result."""
     common: ClassVar[Mapping[str, float]] = {}  # Start values of all tasks
 
     @cached_property
@@ -93,7 +93,7 @@ class Solver:
             self.instances += 1
         try:
             found = self._measure(states, task)
-        except Exception as error:  # noqa: BLE001
+        except Exception as error:
             states.close()
             found = {"reason": str(error) if isinstance(error, UnitError) else f"{type(error).__name__}: {error}"}
         finally:

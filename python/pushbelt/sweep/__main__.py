@@ -19,8 +19,8 @@ from pushbelt.cli.options import add_reading, add_short, add_study, numbers, pro
 from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.unit import belt_described
 
-from .design import AXIS_OF, DesignError, Varied, crossed, listed, varied
-from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Study, variator, warnings_of
+from .design import AXIS_OF, Design, DesignError, Varied, crossed, listed, varied
+from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Grid, Study, variator, warnings_of
 
 
 def parser() -> argparse.ArgumentParser:
@@ -78,6 +78,7 @@ def _study(options: argparse.Namespace) -> Study:
         raise DesignError("--points has all columns: it excludes --vary, --samples and the axes")
     if options.points:
         variables = {variable.name: variable for variable in belt_described(options.fmu).modelVariables}
+        grid: Grid | Design
         grid, remarks = listed(options.points, variables, reading(options))
         for remark in remarks:
             print(f"  {options.points}: {remark}")

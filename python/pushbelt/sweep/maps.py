@@ -8,6 +8,8 @@ import matplotlib
 
 matplotlib.use("Agg")
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas
@@ -49,6 +51,7 @@ def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
     rows, columns = results.sizes["friction"], results.sizes["speed"]
     with plt.rc_context(STYLE):
         size = (2.45 * columns + 1.4, 2.15 * rows + 0.5)
+        panels: Any
         figure, panels = plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained")
         for m, n in np.ndindex(rows, columns):
             axes, one = panels[m, n], results.isel(friction=m, speed=n).transpose("utilisation", "ratio")

@@ -70,11 +70,11 @@ class Grid(Points):
         return tuple(len(getattr(self, name)) for name in AXES)
 
     @property
-    def columns(self) -> tuple[str, ...]:
+    def columns(self) -> tuple[str, ...]:  # type: ignore[override]
         return tuple(axis.column for axis in AXES.values())
 
     @cached_property
-    def rows(self) -> tuple[tuple[float, ...], ...]:
+    def rows(self) -> tuple[tuple[float, ...], ...]:  # type: ignore[override]
         """Values of the columns at all points."""
         return tuple(itertools.product(*(getattr(self, name) for name in AXES)))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 
@@ -164,11 +164,11 @@ class Names:
                 return [(name + end, unit) for name in fitting]
         return []
 
-    def _splits(self, title: str) -> Iterable[tuple[str, str | None]]:
+    def _splits(self, title: str) -> Iterator[tuple[str, str | None]]:
         """Without pairs like `n_P` and `Mean` of `n_P (Mean)`, which is another quantity."""
         for written, unit in splits(title):
             word = unit is not None and title.rstrip()[-1:] in ")）" and re.fullmatch(r"[^\W\d_]{3,}", unit)
-            if not word or units.dimensions(unit) or self.find(unit):
+            if unit is None or not word or units.dimensions(unit) or self.find(unit):
                 yield written, unit
 
     def inverse(self, title: str) -> str | None:
@@ -184,7 +184,7 @@ def without_deviation(name: str) -> str | None:
     return (found[1] or found[2]) if found else None
 
 
-def splits(title: str) -> Iterable[tuple[str, str | None]]:
+def splits(title: str) -> Iterator[tuple[str, str | None]]:
     """Possible pairs of name and unit of a title, the most explicit one first."""
     title = unquoted(title.translate(WIDE))
     bracketed = re.fullmatch(r"(.*?)[\s_,;:/-]*(?:\[([^\]]*)\]|\{([^}]*)\}|\(([^()]*(?:\([^()]*\))?[^()]*)\))\s*", title)

@@ -64,7 +64,7 @@ def _curves() -> tuple[Array, Array, Array]:
     """Ratios, with the primary pitch radius, m, and the torque capacity per clamping force, m."""
     parameters, ratios = parameter_set(USUAL), np.geomspace(0.4, 2.5, 15)
     found = [(ratio, pitch_radius(parameters, ratio), torque_capacity(parameters, ratio, 1.0)) for ratio in ratios.tolist()]
-    return tuple(np.array(found).T)  # type: ignore[return-value]
+    return tuple(np.array(found).T)
 
 
 class _Points:

@@ -13,7 +13,21 @@ from ..fmu.closing import closing_force, sheave_position
 from . import plausible, series, units
 from . import sheet as sheets
 from .columns import (
-    COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, TIME,
+    COLUMNS,
+    CONDITIONS,
+    HIGHEST,
+    MEASURED,
+    NAME,
+    PARTS,
+    POWER,
+    QUANTITIES,
+    RECORDED,
+    REQUIRED,
+    SAMPLED,
+    SERIES,
+    SHIFTS,
+    STEP,
+    TIME,
 )  # fmt: skip
 from .names import DEVIATION
 from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
@@ -147,7 +161,9 @@ class _Points:
     def _force(self, pulley: str, other: str) -> None:
         """The clamping force from the oil pressure, F = p A + F₀ − k z + c ω², as in the FMU without its seals."""
         pressure, force = f"{pulley}.pressure", f"{pulley}.clampingForce"
-        known, speed, place = self.parameters, 0.0, 0.0
+        known = self.parameters
+        speed: float | Array = 0.0
+        place: float | Array = 0.0
         centrifugal = known.get(f"{pulley}.cylinder.centrifugal", 0.0)
         if not known.get(f"{pulley}.cylinder.area", 0.0):
             self.sheet.failed.add(force)
@@ -189,18 +205,18 @@ class _Points:
         there = np.isfinite(values) & np.isfinite(speed_ratio) & (np.abs(np.log(speed_ratio)) > 2 * AGREE)
         off = np.abs(values / speed_ratio - 1.0)
         if there.any() and (off[there] > 2 * AGREE).mean() <= MOST:
-            for row in np.flatnonzero(there & (off > tolerance)):
+            for row in np.flatnonzero(there & (off > tolerance)).tolist():
                 self._fault(f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}", row, name)
 
     def _drop(self, name: str, bad: Array, why: Callable[[float], str], source: str) -> None:
         """Rows with a bad value of a column that is computed from another one: left out, or a fault of the column if most are bad."""
-        column, rows = self.values[name], np.flatnonzero(bad)
+        column, rows = self.values[name], np.flatnonzero(bad).tolist()
         faults = [self._place(why(column[row]), row, source) for row in rows]
         if len(faults) > MOST * np.isfinite(column).sum():
             self.sheet.faults += of_the_column(faults, 0)
         else:
             self.sheet.left_out += faults
-            self.lost.update(rows.tolist())
+            self.lost.update(rows)
 
     def _efficiency(self) -> None:
         """The efficiency of the driving direction, as it is given or from speeds and torques."""
@@ -262,9 +278,10 @@ class _Points:
         if shift and (absent := [name for name in ("primary.clampingForce", "ratio.geometric") if name not in values]):
             return self._leave_out(f"{shift} requires a value, but the cell is empty", row, absent[0])
         line, ratio = int(self.sheet.lines[row]), values.get("ratio.geometric")
+        speed, torque, force = (values[name] for name in REQUIRED)
         return Point(
             line, self.sheet.texts.get(NAME, {row: ""})[row] or f"line {line}", ratio, values.get("ratio.speed") if ratio is None else None,
-            *(values[name] for name in REQUIRED), values["primary.clampingForce"] if shift else None,
+            speed, torque, force, values["primary.clampingForce"] if shift else None,
             tuple(self._measured(quantity, row, value) for quantity, value in measured.items()),
         )  # fmt: skip
 

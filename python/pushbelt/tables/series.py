@@ -45,7 +45,7 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     inside = np.zeros(1, dtype=bool) if labels is None or labels[-1] == 0 else together[np.diff(labels) == 0]
     stepped = bool(inside.size) and inside.mean() > 0.5
     recorded = timed and raster <= RASTER and len(sheet) >= MANY and _smooth(channels.values())
-    if raster <= 0.0 or not (stepped or recorded or together.mean() > 0.5 and (timed or not as_points)):
+    if raster <= 0.0 or not (stepped or recorded or (together.mean() > 0.5 and (timed or not as_points))):
         return sheet
     sheet.remarks += remark
     for half in (max(SAMPLES, round(HALF / raster)),) if timed else WITHOUT_TIME:

@@ -5,8 +5,9 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -37,7 +38,7 @@ VALID = {key(word): good for words, good in (("valid isvalid validity gültig gu
 YES = frozenset("1 10 true wahr vrai yes y ja j oui x ok gültig valid".split())
 SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their numbers agree
 SEVERAL = 3  # Least number of values without a unit that are read as per cent
-SHARES = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
+SHARES: dict[str, tuple[Callable[[Array], Any], float, float]] = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
 """Columns that are in per cent without saying so if this of their values is in these limits."""
 MEANT = "not read; if"  # Start of the remark that says how an unknown column is read
 TIMED = re.compile(r"zeit|time|temps|stamp|clock|(?:^|[\[({/,]|\bin )\s*(?:s|ms|us|µs|sec|sek)\s*[\])}]*$")  # Titles of times
@@ -205,8 +206,8 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
     while first in below and _is_row_of_words(head[first]):
         first += 1
     remarks = [*cells.remarks, *[f"{at} rows above the header are not read"] * (at > 0)]
-    for row in (row for row in range(at + 1, first) if row != found):
-        remarks.append(f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}")
+    skipped = [row for row in range(at + 1, first) if row != found]
+    remarks += [f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}" for row in skipped]
     return titles, [""] * len(titles) if found is None else head[found], at, first, remarks
 
 
@@ -260,7 +261,7 @@ class _Reader:
         if self.clocks and decimal is not None and not sheet.texts:
             self._on_one_clock(decimal)
             return sheet
-        keep = ~np.isin(sheet.lines, [fault.line for fault in sheet.left_out])
+        keep = ~np.isin(sheet.lines, [fault.line for fault in sheet.left_out if fault.line is not None])
         for some in (sheet.values, sheet.texts):
             some.update({name: column[keep] for name, column in some.items()})
         sheet.lines = sheet.lines[keep]
@@ -476,12 +477,12 @@ class _Reader:
             kind, text = self._why(one, column.iloc[row], numbers[row], values[row], decimal)
             faults[kind].append(Fault(text, int(column.index[row]), one.title))
         sheet.faults += faults.pop("sign")
-        outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"]])
+        outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"] if fault.line is not None])
         for kind, hint in (("range", self._other_unit(one, numbers[outside])), ("word", "")):
             if column_has := of_the_column(faults[kind], int(inside.sum()), hint):
                 sheet.faults += column_has
                 faults[kind].clear()
-        bad = sorted(sum(faults.values(), []), key=lambda fault: fault.line or 0)
+        bad = sorted(itertools.chain(*faults.values()), key=lambda fault: fault.line or 0)
         if len(bad) == len(column) > 0 and all(fault.text.endswith("is no value") for fault in bad):
             sheet.remarks.append(f"column {one.title} has no value")
         else:

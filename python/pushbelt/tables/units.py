@@ -9,7 +9,7 @@ import zipfile
 from collections.abc import Mapping
 from decimal import Decimal
 from functools import cache, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..fmu.files import DATA, NAME, TREE
 from ..fmu.start_values import DESCRIPTION
@@ -118,7 +118,7 @@ class Unit(NamedTuple):
     factor: float
     offset: float = 0.0
 
-    def si(self, value: float) -> float:
+    def si(self, value: Any) -> Any:
         """Value in SI."""
         return self.factor * value + self.offset
 
