@@ -25,10 +25,11 @@ from .results import Profile
 from .untrusted import InputFileError, described, named
 
 try:
-    from fmpy.logging import addLoggerProxy
+    # The module, since its function can't be sent to workers.
+    from fmpy import logging
 except OSError:
     # fmpy has no such library for Linux on ARM. A message without a per cent sign arrives whole without it.
-    addLoggerProxy = None
+    logging = None
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {one.name: re.sub("_(.)", lambda found: found[1].upper(), one.name) for one in fields(Profile)}
 """Names of the fields along the belt in the FMU."""
@@ -110,8 +111,8 @@ class Instance(AbstractContextManager["Instance"]):
         self._callbacks.componentEnvironment = id(self.log)
         self._logs[id(self.log)] = self.log
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
-        if addLoggerProxy is not None:
-            addLoggerProxy(ctypes.byref(self._callbacks))
+        if logging is not None:
+            logging.addLoggerProxy(ctypes.byref(self._callbacks))
         self._call(self._instance.instantiate, callbacks=self._callbacks)
         try:
             self._set_up(start_values)
