@@ -20,26 +20,26 @@
 //!
 //! **Push force**, with ε = ν − 1, D = Dν/Dt, the gap g, and φ = 1/(1 + g/δ_f):
 //!
-//! Q = k_e (⟨ε⟩₊ + d_e H D) + S(F), F = c (2⟨D⟩ + (D − ⟨D⟩) φ²) + d_s ⟨D⟩_c φ³.
+//! Q = k_e (⟨ε⟩₊ + d_e H D) + S(F), F = c (2⟨D⟩ + (D − ⟨D⟩) φ²) + d_s D φ³.
 //!
 //! - Contact: ⟨ε⟩₊ = δ ln(1 + e^{ε/δ}), δ the roughness over the thickness of an element, H its
 //!   derivative; it has half of its stiffness at ε = 0, where the play is measured. g is ⟨ε⟩₊ − ε
 //!   times the thickness. No force acts across a gap at rest.
 //! - Oily stack: ⟨D⟩ is D where elements approach, with the width w of [`RATE_SMOOTHING`]. Where
 //!   gaps close, free elements meet a congested stack, in the limit with a jump of ν and V.
-//!   2c = m_e c_s h, c_s = √(k_e/m_e) = 2.7 km/s, spreads the front over √(2c g J/(f t)), g J/t the
-//!   rate at which the gap closes and f some 7 N/mm of friction. h = 5 mm, a cell of the default
-//!   mesh, is a constant of the law: other meshes have the same physics.
-//! - Squeezed oil: d_s φ³ between flat faces (Reynolds). 750 N·s are those of oil of 10 mPa·s that
-//!   fills 6 µm between faces of 8 by 24 mm, the distance of rough faces in contact.
-//! - Cavitation: S(F) = F where F > 0, F/√(1 + (F/F_c)²) otherwise, and ⟨D⟩_c, of the width
-//!   2F_c/d_s, is above −F_c/d_s.
+//!   2c = m_e c_s t, c_s = √(k_e/m_e) = 2.7 km/s, spreads the front over √(2c g J/(f t)), g J/t the
+//!   rate at which the gap closes and f some 7 N/mm of friction: single elements collide over the
+//!   thickness t of one. It does not depend on the mesh.
+//! - Squeezed oil: d_s D φ³ between flat faces (Reynolds). δ_f = 6 µm is the distance of rough faces
+//!   in contact. Faces of 8 by 24 mm full of oil of 10 mPa·s would have 750 N·s; 75 N·s are those
+//!   of faces a tenth full.
+//! - Cavitation: S(F) = F where F > 0, F/√(1 + (F/F_c)²) otherwise.
 //!
 //! `docs/decisions.md` has the reasons. Every part of F has the sign of D, so it dissipates, and
 //! rises with D: Newton's method fails with a law that falls, such as D times a switch. Convection
 //! of V is central between free elements, with the viscosity 2c where they approach.
 //!
-//! Limits: the smoothing of ⟨D⟩ leaves a suction of c w = 2.7 N across every gap that opens. The
+//! Limits: the smoothing of ⟨D⟩ leaves a suction of c w = 0.8 N across every gap that opens. The
 //! oil has neither inertia nor history: a gap that opened is full when it closes. Below some 1
 //! rad/s of the pulleys no oil acts.
 //!
@@ -103,9 +103,6 @@ pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
 /// Smoothing width w of the transition from separating to approaching elements, 1/s: a tenth of the
 /// rates where gaps open and close.
 pub const RATE_SMOOTHING: f64 = 0.3;
-
-/// Least squeeze damping in the width of cavitation, N·s, which is then without effect.
-const LEAST_SQUEEZE: f64 = 1.0;
 
 /// The stack at a mesh point.
 #[derive(Clone, Copy, Debug)]
@@ -367,9 +364,8 @@ pub fn push_force<T: Real>(belt: &PushElements, density: WithRate<T>) -> Push<T>
     } = strain.soft_plus(belt.contact_strain());
     let near = ((closed - strain) * (belt.element_thickness / belt.film_thickness) + 1.0).recip();
     let approaching = approach(rate, RATE_SMOOTHING);
-    let squeezed = approach(rate, 2.0 * belt.suction / belt.squeeze_damping.max(LEAST_SQUEEZE));
     let oil = (approaching * 2.0 + (rate - approaching) * near * near) * belt.film_damping
-        + squeezed * near * near * near * belt.squeeze_damping;
+        + rate * near * near * near * belt.squeeze_damping;
     let cavitating = (oil * oil * belt.suction.powi(-2) + 1.0).sqrt().recip();
     let viscous =
         contact * rate * (belt.push_stiffness * belt.damping) + oil.if_positive(oil, oil * cavitating);

@@ -86,7 +86,7 @@ fn oil_dissipates_and_cavitates() {
         }
     }
     let smoothed = oil.film_damping * RATE_SMOOTHING;
-    assert!(viscous(&oil, 0.9, -10.0) > -1.01 * smoothed, "across a wide gap");
+    assert!(viscous(&oil, 0.5, -10.0) > -1.01 * smoothed, "across a wide gap");
     assert_near(viscous(&oil, 1.0, -1e4), -oil.suction, oil.suction, 1e-2, "cavitation");
 }
 

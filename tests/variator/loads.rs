@@ -32,12 +32,12 @@ fn jacobians(model: RingModel, pinned: [u64; 10]) {
 
 #[test]
 fn jacobians_of_ale() {
-    jacobians(RingModel::Ale, [7, 336, 31, 16, 94, 16, 956, 40, 373, 647]);
+    jacobians(RingModel::Ale, [5, 369, 25, 15, 90, 15, 960, 30, 332, 620]);
 }
 
 #[test]
 fn jacobians_of_ale0() {
-    jacobians(RingModel::Ale0, [8, 238, 31, 17, 64, 13, 796, 38, 287, 479]);
+    jacobians(RingModel::Ale0, [5, 224, 27, 15, 44, 12, 847, 32, 258, 487]);
 }
 
 /// A slow shift under a torque that oscillates, as a function of time, s.

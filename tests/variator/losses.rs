@@ -96,7 +96,8 @@ fn loss_of_the_layers_is_that_of_their_law() {
                 // closes only with them.
                 let supplied = state.external_torques().primary * SPEED;
                 assert!(o.losses.layers > 0.05 * supplied && o.losses.shafts > 0.2 * supplied);
-                assert_close(o.losses.total(), supplied, 0.01, "lost power");
+                let bound = if model == RingModel::Ale0 { 0.015 } else { 0.005 };
+                assert_close(o.losses.total(), supplied, bound, "lost power");
             }
         }
         let even = idling(&parameters, 1.0, 20e3, SPEED).outputs;
@@ -253,7 +254,7 @@ fn losses_and_energies_are_the_power_of_their_forces() {
             let (more, more_lost) = powers(&changed);
             let power: f64 = (0..rows.len()).map(|i| sign * (more[i] - rows[i]) * motion[i]).sum();
             let off = (power - (more_lost - lost)).abs();
-            assert!(off <= 1e-4 * power.abs(), "{name}: {power} W, off by {off}");
+            assert!(off <= 1e-4 * power.abs() + 1e-6, "{name}: {power} W, off by {off}");
         }
     }
 }

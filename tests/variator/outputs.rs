@@ -87,7 +87,7 @@ fn outputs_follow_from_others_from_stations_and_from_what_is_given() {
             ("slip", o.slip, 1.0 - b.speed * b.radius / (a.speed * a.radius), 1e-9),
             ("thrust ratio", o.thrust_ratio, a.axial_force / b.axial_force, 1e-9),
             ("belt speed", o.belt_speed, belt_speed, 1e-9),
-            ("ring speed", o.ring_speed, belt_speed * (1.0 + e / a.radius.min(b.radius)), 0.02),
+            ("ring speed", o.ring_speed, belt_speed * (1.0 + p.saddle_offset() / a.radius.min(b.radius)), 0.01),
             ("utilisation", o.torque_utilisation, a.shaft_torque.abs() / capacity, 1e-9),
             ("belt efficiency", o.belt_efficiency, -b.power / a.power, 1e-9),
             ("efficiency", o.efficiency, -supplied[1] / supplied[0], 1e-5),

@@ -152,14 +152,14 @@ fn losses_rise_with_the_square_of_the_misalignment() {
     assert!(thrust.abs() < 8e-3 && loss.abs() < 1e-3 * aligned.primary.power);
 }
 
-/// The power of a misaligned belt balances on each mesh.
+/// The power of a misaligned belt balances, better on a finer mesh.
 #[test]
 fn power_balance_out_of_plane() {
-    for refinement in [1, 2, 4] {
+    for (refinement, bound) in [(1, 5e-5), (2, 4e-5), (4, 2e-5)] {
         let mut parameters = spatial(1.0e-3);
         parameters.mesh = parameters.mesh.refined(refinement);
         let defect = at_ratio(&parameters, RATIO).power_defect();
-        assert!(defect.abs() < 3e-5, "{defect} with {refinement} times the elements");
+        assert!(defect.abs() < bound, "{defect} with {refinement} times the elements");
     }
 }
 

@@ -333,8 +333,9 @@ fn strands_and_shafts_have_the_same_moments() {
         (RingModel::Ale, 1, 1e-3),
         (RingModel::Ale, 2, 2e-4),
     ] {
-        // The drag of the ring's layers has no counterpart on the pulleys.
+        // With more layers, friction on the innermost has a couple that one speed leaves out.
         let mut parameters = belt_alone(variator(model));
+        parameters.layers.count = 1;
         parameters.mesh = parameters.mesh.refined(factor);
         for torque in [50.0, -30.0] {
             for case in LoadCase::three(&parameters, 50.0) {

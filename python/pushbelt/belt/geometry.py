@@ -32,7 +32,7 @@ STEEL = 2.06e11  # Young's modulus of the elements, Pa
 FLANK = 0.007  # Height of an element's flank, m
 SHEAVE = 1.2e11  # Stiffness of a sheave's face as an elastic half-space, N/m²
 PUSH_STIFFNESS = 1e7  # Push stiffness of elements of `WIDTH`, N
-FILM = {"belt.filmDamping": 9.0, "belt.squeezeDamping": 750.0, "belt.suction": 19.0}
+FILM = {"belt.filmDamping": 2.7, "belt.squeezeDamping": 75.0, "belt.suction": 19.0}
 """Film parameters of elements of `WIDTH` and `THICKNESS`, SI."""
 CLEARANCE = 0.004  # Distance of the two pulleys at the largest radii, m
 MIN_RADIUS = 0.03  # Smallest pitch radius, m

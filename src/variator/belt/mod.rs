@@ -78,6 +78,7 @@ impl Belt {
                 } else {
                     parameters.ring.mass_per_length
                 },
+                saddle_offset: parameters.saddle_offset(),
                 contact: parameters.contact.clone(),
                 wedge: Wedge {
                     sin,

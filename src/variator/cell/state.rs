@@ -204,12 +204,14 @@ pub struct StationForces<T: Real, const D: usize> {
     pub pressing: T,
     pub sliding: T,
     pub ring_friction: T,
+    /// λ₁/λ: length along the innermost layer per length along the pitch line.
+    pub saddle_lead: T,
     /// Speed of the ring along itself, m/s, and drag of its layers, N/m.
     pub ring_speed: T,
     pub layer_drag: T,
     /// Drag of elements that start and stop turning, N/m.
     pub rotation_drag: T,
-    /// Conjugate of v_e·t̂: flanks and ring friction, N/m.
+    /// Conjugate of v_e·t̂: force of the flanks, N/m.
     pub tangential: T,
 }
 
@@ -262,8 +264,9 @@ impl<T: Real, const D: usize> StationForces<T, D> {
 
         let pressing = pressing(law.saddle_mass, tension, motion.reference.s_dot);
         let ring_speed = point.t.dot(&point.r_dot) + point.w * point.stretch;
-        let sliding = ring_speed - stack.ring_line_speed();
         let kappa = point.reference.kappa;
+        let saddle_lead = kappa * stack.inverse_lambda * law.saddle_offset + 1.0;
+        let sliding = ring_speed - stack.speed * saddle_lead;
         let ring_friction = ring_friction(friction, pressing, kappa, sliding);
         Self {
             own_load,
@@ -279,10 +282,11 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             pressing,
             sliding,
             ring_friction,
+            saddle_lead,
             ring_speed,
             layer_drag: layer_drag(geometry.layer_drag, pressing, kappa, ring_speed),
             rotation_drag: rotation_drag(geometry.rotation_drag, kappa, cell.throughput, stack.speed),
-            tangential: at_ring_line.dot(&point.t) - ring_friction,
+            tangential: at_ring_line.dot(&point.t),
         }
     }
 
@@ -292,6 +296,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         self.mass * self.acceleration.along
             + self.at_pitch_line.dot(&in_plane(&point.t))
             + self.tangential * stack.lead
+            - self.ring_friction * self.saddle_lead
             + self.rotation_drag
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::contact::{FlankForce, FlankMotion};
 use crate::pulley::Wedge;
-use crate::ring::kinematics::{LineLoad, RingPoint, WithRate, embed, in_plane};
+use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, WithRate, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
 use crate::solver::Factors;
 use crate::stack::{Components, PointVariation, StackPoint};
@@ -221,10 +221,10 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     ) -> Lanes {
         let (stack, d_stack) = (self.stack, &by.stack);
         let mut speed = Lanes::from(0.0);
-        let mut sliding = -(d_stack.speed * stack.lead);
+        let mut sliding = -(d_stack.speed * self.forces.saddle_lead);
         if MOVES {
             speed = d_stack.along + self.ring.w * by.ring.stretch;
-            sliding += speed - stack.speed * d_stack.lead;
+            sliding += speed - stack.speed * self.vary_saddle_lead(&by.ring);
         }
         if D == 2 {
             laws[0] = flank_arguments(&flank.motion);
@@ -297,7 +297,9 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         let base_drag = at.e_t * base.circumferential;
         if MOVES {
             tangential += self.forces.at_ring_line.dot(&by.t);
-            along += self.forces.tangential * d_stack.lead - base_drag.dot(&in_plane(&by.t));
+            along += self.forces.tangential * d_stack.lead
+                - self.forces.ring_friction * self.vary_saddle_lead(by)
+                - base_drag.dot(&in_plane(&by.t));
         }
         for k in 0..D - 1 {
             let normal = &ring.normals[k];
@@ -310,7 +312,13 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             load.position += normal * inward;
         }
         let d_friction = change.forces[D - 1][0];
-        along + (tangential - d_friction) * stack.lead
+        along + tangential * stack.lead - d_friction * self.forces.saddle_lead
+    }
+
+    /// δ(λ₁/λ): λ₁ and λ vary as |r'| does.
+    #[inline(always)]
+    fn vary_saddle_lead(&self, by: &RingVariation<Lanes, D>) -> Lanes {
+        by.stretch * (-self.forces.saddle_lead + 1.0) * self.stack.inverse_lambda
     }
 }
 

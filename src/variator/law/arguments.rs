@@ -27,6 +27,8 @@ pub struct CellLaw {
     /// Mass m_r per length whose centrifugal force reduces the normal load of the ring, kg/m: that
     /// of the ring; 0 for the joints of a chain, which carry the whole tension.
     pub saddle_mass: f64,
+    /// Distance e₁ of the neutral line of the innermost layer outside the pitch line, m.
+    pub saddle_offset: f64,
     /// The contact between flank and sheave.
     pub contact: Contact,
     /// Wedge of the sheaves.

@@ -211,6 +211,7 @@ mod tests {
     #[test]
     fn an_open_step_moves_with_its_inputs() {
         let mut parameters = Parameters::default();
+        parameters.friction.velocity = 5e-5;
         let solver = &mut parameters.solver;
         (solver.mode, solver.effort, solver.input_ramp) = (Mode::RealTime, 1, -1.0);
         let mut variator = Variator::new(parameters).expect("valid parameters");

@@ -211,6 +211,15 @@ impl Parameters {
         }
     }
 
+    /// Distance e₁ = e − (n − 1) t/2 of the neutral line of the innermost of the n layers outside the
+    /// pitch line, m: the ring slides on the elements there. At least 0, since elements rock inside
+    /// the ring.
+    #[must_use]
+    pub fn saddle_offset(&self) -> f64 {
+        let half = 0.5 * f64::from(self.layers.count - 1) * self.layers.thickness;
+        (self.pitch_offset() - half).max(0.0)
+    }
+
     /// The parameters that the laws use.
     #[must_use]
     pub fn in_force(&self) -> ParametersInForce {

@@ -291,9 +291,9 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         // centre of mass 1 mm below the rocking edge, because the body below the saddle is heavier
         // than the head. All energy of turning lost is an upper bound; half of it is the estimate.
         row!("belt.elementInertia", 1058, Parameter, Real("kg.m2", 1.3e-8, [0.0, 1e-4]), belt.element_inertia, "Moment of inertia of an element about its rocking edge, which determines loss.spin; 0: no such loss"),
-        row!("belt.filmThickness", 1040, Parameter, Real("m", 1.5e-6, [1e-8, 1e-4]), belt.film_thickness, "Gap between elements over which the forces of the oil decrease"),
-        row!("belt.filmDamping", 1057, Parameter, Real("N.s", 9.0, [0.0, 1e3]), belt.film_damping, "Viscosity of the oily stack: force per rate of strain, twice as large where elements approach at any gap; where they separate divided by (1 + gap/belt.filmThickness)^2"),
-        row!("belt.squeezeDamping", 1085, Parameter, Real("N.s", 750.0, [0.0, 1e5]), belt.squeeze_damping, "Squeeze damping: force between elements per rate of strain by oil squeezed out of a closing gap, at a gap of zero; divided by (1 + gap/belt.filmThickness)^3"),
+        row!("belt.filmThickness", 1040, Parameter, Real("m", 6.0e-6, [1e-8, 1e-4]), belt.film_thickness, "Gap between elements over which the forces of the oil decrease"),
+        row!("belt.filmDamping", 1057, Parameter, Real("N.s", 2.7, [0.0, 1e3]), belt.film_damping, "Viscosity of the oily stack: force per rate of strain, twice as large where elements approach at any gap; where they separate divided by (1 + gap/belt.filmThickness)^2"),
+        row!("belt.squeezeDamping", 1085, Parameter, Real("N.s", 75.0, [0.0, 1e5]), belt.squeeze_damping, "Squeeze damping: force between elements per rate of strain by oil squeezed out of a closing gap, at a gap of zero; divided by (1 + gap/belt.filmThickness)^3"),
         row!("belt.suction", 1087, Parameter, Real("N", 19.0, [1e-3, 1e3]), belt.suction, "Largest suction between two elements, at which the oil cavitates: area of their faces times the pressure of the atmosphere"),
         row!("ring.massPerLength", 1041, Parameter, Real("kg/m", 0.24, [1e-3, 1e3]), ring.mass_per_length, "Mass of the ring sets per length"),
         row!("ring.axialStiffness", 1042, Parameter, Real("N", 5.57e6, [1e3, 1e13]), ring.axial_stiffness, "Axial stiffness EA of the ring sets"),
@@ -310,7 +310,7 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         // leave another one.
         row!("ring.residualCurvature", 1064, Parameter, Real("1/m", 8.94, [-1e3, 1e3]), layers.residual_curvature, "Curvature of a layer that is free of stress: it shifts the mean stress of bending, and nothing else"),
         row!("friction.pulley", 1051, Tunable, Real("1", 0.09, [0.0, 1.0]), friction.pulley, "Friction coefficient between element and sheave; must be below tan(geometry.wedgeAngle)"),
-        row!("friction.ring", 1052, Tunable, Real("1", 0.05, [0.0, 1.0]), friction.ring, "Friction coefficient between ring and element"),
+        row!("friction.ring", 1052, Tunable, Real("1", 0.05, [0.0, 1.0]), friction.ring, "Friction coefficient between ring and element, where the innermost layer slides: belt.pitchOffset - (ring.layers - 1)/2 * ring.layerThickness, at least 0, outside the pitch line"),
         row!("friction.fall", 1054, Parameter, Real("1", 0.06, [0.0, 0.9]), friction.fall, "Relative decrease of friction.pulley in fast sliding: mu(v) = friction.pulley (1 - fall v^2/(v^2 + fallSpeed^2)); 0: Coulomb's law"),
         row!("friction.fallSpeed", 1055, Parameter, Real("m/s", 0.5, [1e-3, 1e3]), friction.fall_speed, "Sliding speed at which half of friction.fall is reached"),
         row!("friction.velocity", 1053, Parameter, Real("m/s", 5.0e-4, [1e-6, 0.1]), friction.velocity, "Regularisation velocity of the friction between element and sheave; at most 1e-3 for accurate micro-slip"),
