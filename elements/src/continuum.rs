@@ -1,8 +1,7 @@
 //! The other side of a comparison: steady states of the FMU's model under the loads of a case.
 //!
-//! The laws are the same as far as parameters go: oil of the case, no viscosity of the stack, no
-//! friction between layers, no loss by turning elements. The lever of the ring's friction is the
-//! FMU's own.
+//! The laws are the same as far as parameters go: oil of the case, without oil no viscosity of the
+//! stack, no friction between layers, no loss by turning elements.
 
 use pushbelt::variator::Variator;
 use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, RingModel, StartState};
@@ -48,7 +47,10 @@ fn steady(case: &Case, ring: RingModel, mesh: i32) -> Result<Outputs, String> {
     let mut of = case.parameters.clone();
     of.ring_model = ring;
     of.mesh = of.mesh.refined(mesh);
-    (of.layers.friction, of.belt.element_inertia, of.belt.film_damping) = (0.0, 0.0, 0.0);
+    (of.layers.friction, of.belt.element_inertia) = (0.0, 0.0);
+    if case.options.squeeze == 0.0 {
+        of.belt.film_damping = 0.0;
+    }
     of.belt.film_thickness = case.options.film;
     of.belt.squeeze_damping = case.options.squeeze;
     (of.primary.drive, of.primary.axial) = (Drive::Speed, Axial::Held);

@@ -153,9 +153,9 @@ def test_the_book_shows_the_pinned_run(pinned: dict[str, Any]) -> None:
 
 
 def test_numbers_of_goals_are_renewed() -> None:
-    found = {"verification": {"met": 7, "goals": 8}, "measurements": {"met": 3, "goals": 5}, "score": 2.345}
-    text = "Verification: 1 of 2 goals met, measurements: 10 of 20 goals met**, 10 missed, and 4 missed; misses sum to 9.9 tolerances"
-    assert results.renewed(text, found) == "Verification: 7 of 8 goals met, measurements: 3 of 5 goals met**, 2 missed, and 4 missed; misses sum to 2.3 tolerances"
+    found = {"verification": {"met": 7, "goals": 8}, "single elements": {"met": 1, "goals": 2}, "measurements": {"met": 3, "goals": 5}, "score": 2.345}
+    text = "Verification: 1 of 2 goals met, single elements: 3 of 4 goals met, measurements: 10 of 20 goals met**, 10 missed, and 4 missed; misses sum to 9.9 tolerances"
+    assert results.renewed(text, found) == "Verification: 7 of 8 goals met, single elements: 1 of 2 goals met, measurements: 3 of 5 goals met**, 2 missed, and 4 missed; misses sum to 2.3 tolerances"
     (quantity, state), _ = next(iter(results.QUOTED.items()))
     found["steps"] = {"rows": [[quantity, state, "1.226", "9.999", "1.542"]]}
     assert results.renewed("the theory's thrust\nratio is 3.00 and the belt's 4.00.", found) == "the theory's thrust\nratio is 1.23 and the belt's 1.54."
@@ -168,7 +168,7 @@ def test_a_full_run_has_the_pinned_verdicts_and_reports_every_section(fmu: Path,
     assert results.verdicts(json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))) == results.verdicts(pinned)
     page = reports.stands_alone(tmp_path / "report.html")
     # The picture of the steps comes first.
-    assert page.index('id="steps-figure"') < page.index('id="verification"') < page.index('id="measurements"')
+    assert page.index('id="steps-figure"') < page.index('id="verification"') < page.index('id="single-elements"') < page.index('id="measurements"')
     assert reports.figures(page) > 10
     content = re.sub(r"<(style|script)[^>]*>.*?</\1>", "", page, flags=re.DOTALL)
     assert not re.search(r"\bnan\b", content.lower())

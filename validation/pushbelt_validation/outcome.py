@@ -29,6 +29,7 @@ class Part(Enum):
     """Part of the report."""
 
     VERIFICATION = "verification"
+    ELEMENTS = "single elements"
     MEASUREMENTS = "measurements"
     STEPS = "steps"
 

@@ -13,6 +13,8 @@ from .outcome import Check, Part, Section, Verdict
 from .runs import Results
 
 ROOT = Path(__file__).parents[2]
+PARTS = (Part.VERIFICATION, Part.ELEMENTS, Part.MEASUREMENTS)
+"""Those with goals."""
 PINNED = ROOT / "validation" / "results.json"
 """Results of the last reviewed run. `cargo fmu validate -- --pin` renews it, and the page."""
 PAGE = ROOT / "docs" / "validation-results.md"
@@ -23,7 +25,7 @@ def document(results: Results) -> dict[str, Any]:
     steps = next((s for s in results.sections if s.part is Part.STEPS), None)
     return {
         "version": results.version,
-        **{part.value: counts(results.sections, part) for part in (Part.VERIFICATION, Part.MEASUREMENTS)},
+        **{part.value: counts(results.sections, part) for part in PARTS},
         "score": round(sum(check.miss for section in results.sections if section.part is Part.MEASUREMENTS for check in section.checks), 2),
         "checks": [_check(section, check) for section in results.sections for check in section.checks],
         "steps": None if steps is None else {
@@ -44,7 +46,7 @@ def counts(sections: Iterable[Section], part: Part) -> dict[str, int]:
 
 def sentence(found: Mapping[str, Any]) -> str:
     """The verdicts in numbers."""
-    told = ", ".join(f"{part}: {found[part]['met']} of {found[part]['goals']} goals met" for part in ("verification", "measurements"))
+    told = ", ".join(f"{part.value}: {found[part.value]['met']} of {found[part.value]['goals']} goals met" for part in PARTS)
     return f"{told}, misses sum to {found['score']:.1f} tolerances"
 
 
@@ -96,7 +98,7 @@ def renewed(text: str, found: Mapping[str, Any]) -> str:
         if row:
             theory, belt = (f"{float(row[k]):.2f}" for k in (2, -1))
             text = re.sub(sentence, rf"\g<1>{theory}\g<2>{belt}", text)
-    for part in ("verification", "measurements"):
+    for part in (part.value for part in PARTS):
         met, goals = found[part]["met"], found[part]["goals"]
         text = re.sub(rf"(?i)({part}: )\d+ of \d+( goals met)", rf"\g<1>{met} of {goals}\g<2>", text)
         text = re.sub(r"(misses sum to )[\d.]+( tolerances)", rf"\g<1>{found['score']:.1f}\g<2>", text)
@@ -109,7 +111,7 @@ def renewed(text: str, found: Mapping[str, Any]) -> str:
 
 def page(found: Mapping[str, Any]) -> str:
     """The page, from the document."""
-    of = {part: [check for check in found["checks"] if check["part"] == part] for part in ("verification", "measurements")}
+    of = {part.value: [check for check in found["checks"] if check["part"] == part.value] for part in PARTS}
     missed = [check for check in of["measurements"] if check["verdict"] == "missed"]
     others = [check for check in of["measurements"] if check["verdict"] != "missed"]
     steps = found["steps"]
@@ -121,6 +123,11 @@ def page(found: Mapping[str, Any]) -> str:
         rows(steps["columns"], steps["rows"]),
         "## Verification\n",
         rows(("theory in its limit", "goal", "found", "verdict"), [[c["statement"], c["goal"], c["found"], c["verdict"]] for c in of["verification"]]),
+        "## Against single elements\n",
+        rows(
+            ("of the default belt", "goal", "found", "verdict", "cause, as far as known"),
+            [[c["statement"], c["goal"], "; ".join(filter(None, (c["found"], c.get("by")))), c["verdict"], c.get("cause", "")] for c in of["single elements"]],
+        ),
         "## Measurements: missed goals\n",
         rows(
             ("goal", "allowed", "found", "worst miss, tolerances", "cause, as far as known", "what decides it on a rig"),

@@ -12,13 +12,14 @@ from pushbelt.report.side_by_side import tick
 
 from .bench import Bench, Plan
 from .outcome import Section
-from .sections import chain, continuum, default_belt, efficiency, gaps, shifting, slip, steps, thrust, wedge
+from .sections import chain, continuum, default_belt, efficiency, gaps, shifting, single_elements, slip, steps, thrust, wedge
 
 SECTIONS: dict[str, tuple[ModuleType, int, int]] = {
     "steps": (steps, 121, 52),
     "continuum": (continuum, 45, 11),
     "chain": (chain, 68, 11),
     "default_belt": (default_belt, 18, 4),
+    "elements": (single_elements, 60, 14),
     "shifting": (shifting, 81, 44),
     "efficiency": (efficiency, 270, 50),
     "slip": (slip, 400, 90),
