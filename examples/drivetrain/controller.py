@@ -32,8 +32,11 @@ unit.exitInitializationMode()
 
 step, target, integral = 0.01, 0.8, 0.0
 holding = unit.getReal([reference["thrustRatio"]])[0]  # thrust ratio of the steady start
+of_maps = reference.get("map.holdingThrustRatio")  # only the unit of maps has one at each time
 for k in range(300):
     state = dict(zip(outputs, unit.getReal([reference[name] for name in outputs]), strict=True))
+    if of_maps is not None:
+        holding, integral = unit.getReal([of_maps])[0], 0.0
     torque, load = 60.0, -60.0 - 0.2 * state["secondary.speed"]
     secondary = 1.3 * torque * math.cos(math.radians(11)) / (2 * 0.09 * state["primary.radius"])
     error = math.log(state["ratio.geometric"] / target)  # above 0: shift to overdrive, the primary force must rise

@@ -1,11 +1,11 @@
-//! The variables: those of the detailed unit that maps have values for, and `map.outside`.
+//! The variables: those of the detailed unit that maps have values for, and those with `map.`.
 
 use std::sync::Arc;
 
 use pushbelt::unit::{AT_REST, shared_variables};
 use pushbelt::variator::settings::{Axial, Drive, Outputs};
 use pushbelt_fmi::si;
-use pushbelt_fmi::table::{Access, Causality, Kind, Table, Variable};
+use pushbelt_fmi::table::{Access, Causality, Kind, Range, Table, Variable};
 
 use crate::tables::Tables;
 
@@ -20,6 +20,8 @@ pub struct Readings {
     pub outputs: Outputs,
     /// Whether the state is beyond the tables.
     pub outside: bool,
+    /// Thrust ratio that holds the present ratio under the present torque.
+    pub holding_thrust_ratio: f64,
 }
 
 impl AsRef<Outputs> for Readings {
@@ -82,6 +84,19 @@ pub fn table() -> Table<Settings, Readings> {
         causality: Causality::Output,
         kind: Kind::Boolean {
             access: Access::Reading(|readings: &Readings| readings.outside),
+        },
+    });
+    variables.push(Variable {
+        name: "map.holdingThrustRatio".to_owned(),
+        reference: 91,
+        description: "Thrust ratio that holds the present ratio under the present torque; thrustRatio is that of the clamping forces"
+            .to_owned(),
+        causality: Causality::Output,
+        kind: Kind::Real {
+            unit: "1",
+            display_unit: None,
+            range: Range::typical(1.0),
+            access: Access::Reading(|readings: &Readings| readings.holding_thrust_ratio),
         },
     });
     let mut table = Table::new(si::UNITS, &[Drive::TYPE, Axial::TYPE], variables);

@@ -172,7 +172,11 @@ impl MapUnit {
         };
         outputs.set_quotients(PerPulley::from_fn(|j| -into[j] - drags[j]));
         let outside = point.position.outside;
-        Readings { outputs, outside }
+        Readings {
+            outputs,
+            outside,
+            holding_thrust_ratio: point.thrust_ratio,
+        }
     }
 }
 
