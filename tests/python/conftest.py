@@ -1,7 +1,5 @@
 """Common fixtures of the tests: paths of the FMUs, and instances."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import os

@@ -2,8 +2,6 @@
 
 The browser is the distribution's Chromium without a window, controlled by playwright."""
 
-from __future__ import annotations
-
 import csv
 import os
 import re
@@ -104,8 +102,7 @@ def units_are_those_of(fmu: Path, *paths: Path) -> None:
         with path.open(encoding="utf-8", newline="") as file:
             titles = next(csv.reader(file))
         found = [split(title) for title in titles]
-        texts = {"case", "run", "name"}
-        assert all(unit is not None for name, unit in found if name not in texts), titles
+        assert all(unit is not None for name, unit in found if name not in ("case", "run", "name")), titles
         assert {name: unit for name, unit in found if name in known} == {name: known[name] for name, _ in found if name in known}
         columns = {name: Column(units.OF_FMU[unit], -1e99, 1e99, "") for name, unit in found if unit is not None}
         found = sheet.read(path, columns, misspelled=False)

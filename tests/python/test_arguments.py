@@ -1,7 +1,5 @@
 """Arguments of the public interface: whatever they are, the call succeeds or raises a PushbeltError with one line, and changes nothing."""
 
-from __future__ import annotations
-
 import inspect
 import re
 import warnings
@@ -25,6 +23,7 @@ BAD = (
     np.ones((2, 3)),
 )  # fmt: skip
 """Wrong types, values and shapes. Some are right in some places."""
+MAPPED = {"duration": 0.01, "primary_torque": 60.0, "secondary_torque": -49.0, "primary_force": 13e3, "secondary_force": 1e4}
 
 
 @pytest.fixture(scope="module")
@@ -104,9 +103,6 @@ def test_no_argument_ends_in_another_error(things: dict[str, Any]) -> None:
             except Exception as error:  # noqa: BLE001
                 failed.append(f"{what}: {name} = {value!r}: {error!r}")
     assert not failed, "\n".join(failed)
-
-
-MAPPED = {"duration": 0.01, "primary_torque": 60.0, "secondary_torque": -49.0, "primary_force": 13e3, "secondary_force": 1e4}
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """A parameter set from the dimensions of a belt: formulas, checks, and the set in the FMU and the programs."""
 
-from __future__ import annotations
-
 import json
 import math
 import warnings
@@ -98,8 +96,7 @@ def wide(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_command_writes_a_set_that_says_where_values_come_from(wide: Path) -> None:
-    document = json.loads(wide.read_text(encoding="utf-8"))
-    entries = document["parameters"]
+    entries = json.loads(wide.read_text(encoding="utf-8"))["parameters"]
     assert entries.keys() >= data.parameter_set("bench168").keys()
     assert {entry["origin"] for entry in entries.values()} == {"given", "typical", "geometry"}
     assert all(entry["unit"] for entry in entries.values())
@@ -139,9 +136,7 @@ def test_layers_alone_are_a_warning(fmu: Path, wide: Path) -> None:
 def test_set_runs_in_the_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:
     grid = ["--ratio", "0.6,1,1.6", "--utilisation", "0.4,0.6", "--friction", "0.1", "--speed", "200", "--workers", "1"]
     point = ["initial.ratio=1", "primary.torque=100", "initial.primarySpeed=200", "--safety", "1.3"]
-    words = {
-        "sweep": grid, "linearize": point, "demo": ["--short"], "drive": ["--short", "--until", "4"],
-        "durability": [str(tmp_path / "drive")],
-    }  # fmt: skip
+    cycle, results = ["--short", "--until", "4"], [str(tmp_path / "drive")]
+    words = {"sweep": grid, "linearize": point, "demo": ["--short"], "drive": cycle, "durability": results}
     for name, more in words.items():
         assert cli.main([name, "--fmu", str(fmu), "--variator", str(wide), "--output", str(tmp_path / name), *more]) == 0

@@ -1,7 +1,5 @@
 """Calibration: parameters as pure functions, then fits of tables with results of the FMU."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from collections.abc import Mapping, Sequence
@@ -12,29 +10,23 @@ import numpy as np
 import pytest
 import reports
 from conftest import MESH
-from reports import by_name
 
 from pushbelt import tables
 from pushbelt.calibrate import __main__, model, parameters, worker
+from pushbelt.calibrate.worker import Found, Job
 from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
-from pushbelt.calibrate.model import Model
-from pushbelt.calibrate.parameters import ParameterError, choose
-from pushbelt.calibrate.worker import Found, Job
 from pushbelt.tables.points import Measured, Point
 
 BASE = {**parameter_set("bench168"), **MESH}
-TRUTH = {"friction.pulley": 0.098, "friction.ring": 0.07, "belt.play": 6e-4}
-"""True values in the tables; the fits start from `bench168`."""
-NOISE = {"thrustRatio": 0.01, "slip": 2e-4, "efficiency": 2e-3, "ds/dt": 0.02}
-"""Standard deviations of the tables."""
-SPEED, FORCE = 209.0, 10e3
-"""Primary speed, rad/s, and secondary force, N, of the points."""
+TRUTH = {"friction.pulley": 0.098, "friction.ring": 0.07, "belt.play": 6e-4}  # True values in the tables; the fits start from `bench168`
+NOISE = {"thrustRatio": 0.01, "slip": 2e-4, "efficiency": 2e-3, "ds/dt": 0.02}  # Standard deviations of the tables
+SPEED, FORCE = 209.0, 10e3  # Primary speed, rad/s, and secondary force, N, of the points
 
 
 def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any]) -> None:
     wanted = {"belt.play": 5e-4, "tiltStiffness": None, "belt.pushStiffness": None}
-    play, tilt, push = choose(wanted, {"belt.play": (-1.0, 1e-3)}, variables, {"primary.tiltStiffness": 6e5})
+    play, tilt, push = parameters.choose(wanted, {"belt.play": (-1.0, 1e-3)}, variables, {"primary.tiltStiffness": 6e5})
     assert (play.start, play.low, play.high) == (5e-4, 0.0, 1e-3)
     assert (play.logarithmic, tilt.logarithmic) == (False, True)
     assert tilt.variables == ("primary.tiltStiffness", "secondary.tiltStiffness")
@@ -59,8 +51,8 @@ def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any])
     ],
 )  # fmt: skip
 def test_parameters_that_cannot_be_fitted_are_named(wanted: dict, limits: dict, prior: dict, why: str, variables: Mapping[str, Any]) -> None:
-    with pytest.raises(ParameterError, match=why):
-        choose(wanted, limits, variables, BASE, prior)
+    with pytest.raises(parameters.ParameterError, match=why):
+        parameters.choose(wanted, limits, variables, BASE, prior)
 
 
 def planned(ratio: float, utilisation: float, *quantities: str, force: float = FORCE) -> Point:
@@ -75,8 +67,6 @@ SHIFTS = [dataclasses.replace(planned(ratio, 0.2, "ds/dt"), primary_force=force)
 
 
 class InProcess:
-    """Solver of points in this process."""
-
     def __init__(self, fmu: Path, archive: Archive) -> None:
         self._fmu, self._archive = fmu, archive
 
@@ -107,12 +97,10 @@ def solver(fmu: Path, archive: Archive) -> InProcess:
 
 @pytest.mark.slow
 def test_the_step_of_the_differences_stands_on_a_plateau(solver: InProcess, variables: Mapping[str, Any], monkeypatch: Any) -> None:
-    """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity.
-
-    On the default mesh: on that of short runs thrust ratios have waves over the friction coefficient.
-    """
-    chosen = choose({"friction.pulley": 0.087, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
-    opened = Model([STEADY[1], STEADY[7], SHIFTS[0]], solver)
+    """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity. On the default mesh: on that
+    of short runs thrust ratios have waves over the friction coefficient."""
+    chosen = parameters.choose({"friction.pulley": 0.087, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
+    opened = model.Model([STEADY[1], STEADY[7], SHIFTS[0]], solver)
     place = np.array([parameter.coordinate(parameter.start) for parameter in chosen])
     fixed = {**parameters.assign(chosen, place), **{name: int(variables[name].start) for name in MESH}}
     (base,), found = opened.states([fixed]), []
@@ -135,7 +123,7 @@ def test_a_jump_of_a_state_is_not_a_slope(jumped: str) -> None:
         off = [0.1 * (abs(value - sides[jumped]) < 1e-9) for value in values]
         return [Found({"thrustRatio": 10.0 * value + jump}) for value, jump in zip(values, off, strict=True)]
 
-    opened = Model([planned(1.0, 0.5, "thrustRatio")], solve)
+    opened = model.Model([planned(1.0, 0.5, "thrustRatio")], solve)
     (base,) = opened.states([{"friction.pulley": 0.09}])
     slopes = opened.slopes([friction], {}, np.array([1.0]), base, central=True)
     assert slopes == pytest.approx(np.array([[0.9 / NOISE["thrustRatio"]]]))
@@ -146,7 +134,7 @@ def test_a_lost_point_counts_more_the_less_it_carries(solver: InProcess) -> None
     assert found[0].reason is None and found[0].missing == 0.0
     assert all("steady state" in lost.reason for lost in found[1:])
     assert 1.0 < found[1].missing < found[2].missing < 2.0
-    opened = Model([STEADY[8]], solver)
+    opened = model.Model([STEADY[8]], solver)
     assert np.isnan(opened.relative(found[1:2])).all()
     assert opened.distance(found[:1]) <= 3 * model.FAR**2 < opened.distance(found[1:2]) < opened.distance(found[2:])
 
@@ -180,7 +168,7 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
         assert entry["origin"] == "calibrated"
     found = parameter_set(str(out / "parameters.json"))
     assert {**BASE, **{name: found[name] for name in TRUTH}} == found
-    relative = np.array([float(row["residual/sd"]) for row in by_name(out / "residuals.csv")])
+    relative = np.array([float(row["residual/sd"]) for row in reports.by_name(out / "residuals.csv")])
     assert len(relative) == sum(len(point.measured) for point in points)
     assert 0.6 < np.sqrt(np.mean(relative**2)) < 1.4
     report = reports.stands_alone(out / "report.html")

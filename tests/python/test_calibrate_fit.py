@@ -1,12 +1,11 @@
 """The search of a calibration, on models with known results: counts of solutions, bounds, priors, bad fits."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,21 +14,28 @@ import pandas as pd
 import pytest
 import reports
 from conftest import MESH
-from reports import by_name
+from rig_tables import written
 
 from pushbelt.calibrate import __main__, fit, report, worker
-from pushbelt.fmu.data import parameter_set
-from pushbelt.calibrate.report import chart as figures, reach
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
 from pushbelt.calibrate.worker import Found, Job
+from pushbelt.fmu.data import parameter_set
 from pushbelt.report import charts
-from pushbelt.report.charts import Panel
 from pushbelt.tables import points as tables
 from pushbelt.tables.points import Measured, Point
 
 NAMES = tuple("abcdef")
 Law = Callable[[np.ndarray, float], float]
+TRUTH = (1.15, 0.8, 1.3, 0.9, 1.1, 0.75)
+TITLES = "i_geo,n_P [rpm],T_P [Nm],F_S [kN],F_P [kN],slip [%]"
+# Below 0.09, where a search starts, waves of the thrust ratio on the coarse mesh of `--short`, of 1 %, hold the search.
+SPEED, FORCE, FRICTION = 200.0, 11e3, 0.094
+BASE = {**parameter_set("bench168"), "friction.pulley": FRICTION}
+Rows = list[list[float]]
+SLIP = (Measured("slip", 0.0, 1.0, True),)
+HEADER = "ratio.geometric;primary.speed [rad/s];primary.torque [Nm];secondary.clampingForce [N];thrustRatio;slip;efficiency"
+ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])
 
 
 def parameter(name: str, start: float = 1.0, low: float = 0.0, high: float = np.inf, prior: tuple[float, float] | None = None) -> Parameter:
@@ -57,9 +63,6 @@ def curve(values: np.ndarray, place: float) -> float:
     """A smooth law that is not linear in its parameters."""
     phases = np.arange(len(values))
     return float(np.sum(values * np.cos(2.0 * phases * place)) + 0.2 * np.exp(values[0] * place) + 0.1 * np.prod(values[:2]))
-
-
-TRUTH = (1.15, 0.8, 1.3, 0.9, 1.1, 0.75)
 
 
 def test_six_parameters_over_thirty_points_take_few_solutions() -> None:
@@ -142,8 +145,7 @@ def test_a_search_without_steady_states_is_bounded() -> None:
 
 
 def test_points_beyond_the_capacity_are_not_solved(fmu: Path, archive: Any) -> None:
-    point = Point(0, "", 1.0, None, SPEED, 500.0, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
-    found = worker.solve(fmu, archive.directory, BASE, point)
+    found = worker.solve(fmu, archive.directory, BASE, Point(0, "", 1.0, None, SPEED, 500.0, FORCE, None, SLIP))
     assert "no steady state: the capacity is" in found.reason and found.solves == 1 and 1.0 < found.missing < 2.0
 
 
@@ -165,8 +167,7 @@ def test_outliers_are_left_out(shifts: dict[int, float]) -> None:
     opened = noisy(30, 1, shifts)
     found = fit.fit(opened, TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == sorted(shifts)
-    others = [point for k, point in enumerate(opened.points) if k not in shifts]
-    alone = fit.fit(Model(others, opened.solve), TWO)
+    alone = fit.fit(Model([point for k, point in enumerate(opened.points) if k not in shifts], opened.solve), TWO)
     assert all(alone.kept)
     for one, other in zip(found.estimates, alone.estimates, strict=True):
         assert one.value == pytest.approx(other.value, rel=1e-3)
@@ -202,12 +203,8 @@ def test_samples_of_a_record_are_left_out_alone() -> None:
         return [Found({f"{k}": values["a"] * u + values["b"] * np.exp(-u) for k, u in places}) for values, _ in jobs]
 
     samples = tuple(replace(p.measured[0], key=f"{k}", time=float(k)) for k, p in enumerate(opened.points))
-    record = Point(2, "up", 1.0, None, 100.0, 0.0, 1e4, 1e4, samples)
-    found = fit.fit(Model([record], solve), TWO)
+    found = fit.fit(Model([Point(2, "up", 1.0, None, 100.0, 0.0, 1e4, 1e4, samples)], solve), TWO)
     assert [k for k, kept in enumerate(found.kept) if not kept] == [7]
-
-
-TITLES = "i_geo,n_P [rpm],T_P [Nm],F_S [kN],F_P [kN],slip [%]"
 
 
 def test_repeated_rows_count_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -235,38 +232,31 @@ def test_options_out_of_range_are_refused(words: tuple[str, str], capsys: pytest
 
 # With the FMU
 
-# Below 0.09, where a search starts, waves of the thrust ratio on the coarse mesh of `--short`, of 1 %, hold the search.
-SPEED, FORCE, FRICTION = 200.0, 11e3, 0.094
-BASE = {**parameter_set("bench168"), "friction.pulley": FRICTION}
-Solved = list[tuple[float, float, dict[str, float]]]
-
-
 @pytest.fixture(scope="module")
-def solved(fmu: Path, archive: Any) -> Solved:
-    """Ratio, torque and results of five points with a known friction."""
+def solved(fmu: Path, archive: Any) -> Rows:
+    """Rows of a table with the results of five points with a known friction."""
     found = []
     for ratio, torque in ((2.0, 35.0), (1.5, 45.0), (1.0, 40.0), (0.7, 45.0), (0.55, 30.0)):
-        point = Point(0, "", ratio, None, SPEED, torque, FORCE, None, (Measured("slip", 0.0, 1.0, True),))
-        state = worker.solve(fmu, archive.directory, BASE, point)
+        state = worker.solve(fmu, archive.directory, BASE, Point(0, "", ratio, None, SPEED, torque, FORCE, None, SLIP))
         assert state.reason is None
-        found.append((ratio, torque, dict(state.values)))
+        found.append([ratio, SPEED, torque, FORCE, *(state.values[name] for name in ("thrustRatio", "slip", "efficiency"))])
     return found
-
-
-HEADER = "ratio.geometric;primary.speed [rad/s];primary.torque [Nm];secondary.clampingForce [N];thrustRatio;slip;efficiency"
 
 
 @pytest.fixture
 def calibrated(fmu: Path, tmp_path: Path) -> Callable[..., int]:
     """Runs the program on rows of a table; returns its exit code."""
 
-    def run(rows: Sequence[Sequence[float]], *more: str) -> int:
-        path = tmp_path / "rig.csv"
-        path.write_text("\n".join([HEADER, *(";".join(map(repr, row)) for row in rows)]) + "\n", encoding="utf-8")
-        words = [str(path), "--fmu", str(fmu), "--output", str(tmp_path / "out"), "--workers", "1", "--fit", "friction.pulley", *more]
-        return __main__.main(words)
+    def run(rows: Rows, *more: str, header: str = HEADER) -> int:
+        path = written(tmp_path / "rig.csv", [header.split(";"), *rows], ";")
+        return __main__.main([str(path), "--fmu", str(fmu), "--output", str(tmp_path / "out"), "--workers", "1", "--fit", "friction.pulley", *more])
 
     return run
+
+
+def scores(out: Path) -> dict[tuple[str, str], dict[str, float]]:
+    """By quantity and variator."""
+    return {(s["quantity"], s["variator"]): s for s in json.loads((out / "holdout.json").read_text(encoding="utf-8"))}
 
 
 def fits(out: Path) -> None:
@@ -274,8 +264,8 @@ def fits(out: Path) -> None:
     assert document["fits"] and document["parameters"]["friction.pulley"]["value"] == pytest.approx(FRICTION, rel=1e-3)
 
 
-def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, calibrated, solved: Solved, tmp_path: Path, capsys: Any) -> None:
-    out, rows = tmp_path / "out", [[1.0 / i, SPEED, t, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
+def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, calibrated, solved: Rows, tmp_path: Path, capsys: Any) -> None:
+    out, rows = tmp_path / "out", [[1.0 / ratio, *others] for ratio, *others in solved]
     assert calibrated(rows) == 1 and not out.exists()
     option = "ratio.geometric=1/ratio.geometric"
     assert f'--map "{option}"' in capsys.readouterr().err
@@ -289,12 +279,12 @@ def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, c
     # On the same table the fitted set scores better than the default one.
     fitted = str(out / "parameters.json")
     assert calibrated(rows, "--map", option, "--hold-out", fitted) == 0
-    scores = {(s["quantity"], s["variator"]): s for s in json.loads((out / "holdout.json").read_text(encoding="utf-8"))}
-    assert {quantity for quantity, _ in scores} == {"thrustRatio", "slip", "efficiency"}
+    found = scores(out)
+    assert {quantity for quantity, _ in found} == {"thrustRatio", "slip", "efficiency"}
     for quantity in ("thrustRatio", "slip"):
-        assert scores[quantity, fitted]["relative"] < 0.05 and scores[quantity, "bench168"]["relative"] > 0.3
-        assert (scores[quantity, "bench168"]["count"], scores[quantity, "bench168"]["lost"]) == (5, 0)
-    assert len(by_name(out / "residuals.csv")) == 15
+        assert found[quantity, fitted]["relative"] < 0.05 and found[quantity, "bench168"]["relative"] > 0.3
+        assert (found[quantity, "bench168"]["count"], found[quantity, "bench168"]["lost"]) == (5, 0)
+    assert len(reports.by_name(out / "residuals.csv")) == 15
     report = reports.stands_alone(out / "report.html")
     assert reports.figures(report) == 9
     # The origin: command, date, and hashes of the FMU, the table and the set.
@@ -304,9 +294,9 @@ def test_an_inverted_ratio_is_named_before_the_fit_and_does_not_fit(fmu: Path, c
     reports.look_at(out / "report.html")
 
 
-def test_torques_in_pound_feet_are_named(calibrated, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_torques_in_pound_feet_are_named(calibrated, solved: Rows, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Under [Nm] they are fitted by a friction of another size, but not as well as in their own unit."""
-    rows = [[i, SPEED, t / 1.3558179483314, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
+    rows = [[ratio, speed, torque / 1.3558179483314, *others] for ratio, speed, torque, *others in solved]
     assert calibrated(rows) == __main__.MISFIT
     option = re.search(r'torques in lb\.ft leave .* --map "(.*)"', capsys.readouterr().out)
     assert option is not None
@@ -314,31 +304,29 @@ def test_torques_in_pound_feet_are_named(calibrated, solved: Solved, tmp_path: P
     fits(tmp_path / "out")
 
 
-def test_pressures_are_forces_of_the_set_and_a_hold_out_has_the_variator_beside_it(fmu: Path, solved: Solved, tmp_path: Path) -> None:
+def test_pressures_are_forces_of_the_set_and_a_hold_out_has_the_variator_beside_it(calibrated, solved: Rows, tmp_path: Path) -> None:
     """In the fit, in the check and in the hold-out, where --set holds for both sets."""
-    area, table, out = 0.008, tmp_path / "rig.csv", tmp_path / "out"
-    lines = [[i, SPEED, t, 1e-5 * FORCE / area, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
-    header = HEADER.replace("secondary.clampingForce [N]", "secondary.pressure [bar]")
-    table.write_text("\n".join([header, *(";".join(map(repr, line)) for line in lines)]) + "\n", encoding="utf-8")
-    words = [str(table), "--fmu", str(fmu), "--output", str(out), "--workers", "1", "--set", f"secondary.cylinder.area={area}"]
-    assert __main__.main([*words, "--check", "--set", "ring.model=ALE"]) == 0
-    assert __main__.main([*words, "--fit", "friction.pulley"]) == 0
+    area, out = 0.008, tmp_path / "out"
+    rows = [[*row[:3], 1e-5 * FORCE / area, *row[4:]] for row in solved]
+    run = partial(calibrated, rows, f"--set=secondary.cylinder.area={area}", header=HEADER.replace("clampingForce [N]", "pressure [bar]"))
+    assert run("--check", "--set", "ring.model=ALE") == 0
+    assert run() == 0
     fits(out)
     fitted = str(out / "parameters.json")
-    assert __main__.main([*words, "--hold-out", fitted, "--variator", "belt155", "--set", f"friction.pulley={FRICTION}"]) == 0
-    scores = {(s["quantity"], s["variator"]): s["relative"] for s in json.loads((out / "holdout.json").read_text(encoding="utf-8"))}
-    assert {variator for _, variator in scores} == {fitted, "belt155"}
-    assert scores["slip", fitted] < 0.05 and scores["slip", "belt155"] > 0.3
-    assert __main__.main([*words, "--hold-out", "bench168", "--set", f"friction.pulley={FRICTION}"]) == 0
-    assert all(s["relative"] < 0.05 for s in json.loads((out / "holdout.json").read_text(encoding="utf-8")))
+    assert run("--hold-out", fitted, "--variator", "belt155", "--set", f"friction.pulley={FRICTION}") == 0
+    found = scores(out)
+    assert {variator for _, variator in found} == {fitted, "belt155"}
+    assert found["slip", fitted]["relative"] < 0.05 and found["slip", "belt155"]["relative"] > 0.3
+    assert run("--hold-out", "bench168", "--set", f"friction.pulley={FRICTION}") == 0
+    assert all(score["relative"] < 0.05 for score in scores(out).values())
 
 
-def test_the_first_line_names_a_wrong_value(calibrated, solved: Solved, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_first_line_names_a_wrong_value(calibrated, solved: Rows, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A thrust ratio of ten times its value, a torque that no force carries, and a repeated row. The fit of the other rows is that without
     them."""
-    rows = [[i, SPEED, t, FORCE, v["thrustRatio"], v["slip"], v["efficiency"]] for i, t, v in solved]
-    far, heavy = [*rows[0][:4], 10.0 * rows[0][4], *rows[0][5:]], [*rows[0][:2], 10.0 * rows[0][2], *rows[0][3:]]
-    assert calibrated([*rows, far, heavy, rows[2]]) == 0
+    first = solved[0]
+    far, heavy = [*first[:4], 10.0 * first[4], *first[5:]], [*first[:2], 10.0 * first[2], *first[3:]]
+    assert calibrated([*solved, far, heavy, solved[2]]) == 0
     said, errors = capsys.readouterr()
     assert "line 7, thrustRatio" in said.splitlines()[0]
     assert "9 (as 4)" in said
@@ -347,14 +335,13 @@ def test_the_first_line_names_a_wrong_value(calibrated, solved: Solved, tmp_path
     assert "Left out as outliers: line 7" in reports.stands_alone(tmp_path / "out" / "report.html")
 
 
-def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solved: Solved) -> None:
+def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solved: Rows) -> None:
     """The search starts from the slip of the last one."""
-    ratio, torque, values = solved[1]
-    speed_ratio, measured = ratio / (1.0 - values["slip"]), (Measured("slip", 0.0, 1.0, True),)
-    for guess, most in ((0.0, 3), (values["slip"] + 1e-4, 2), (values["slip"], 2)):
-        point = Point(0, "", None, speed_ratio, SPEED, torque, FORCE, None, measured, guess)
+    ratio, _, torque, _, thrust_ratio, slip, efficiency = solved[1]
+    for guess, most in ((0.0, 3), (slip + 1e-4, 2), (slip, 2)):
+        point = Point(0, "", None, ratio / (1.0 - slip), SPEED, torque, FORCE, None, SLIP, guess)
         found = worker.solve(fmu, archive.directory, BASE, point)
-        assert found.values == pytest.approx(values, rel=1e-3)
+        assert found.values == pytest.approx({"thrustRatio": thrust_ratio, "slip": slip, "efficiency": efficiency}, rel=1e-3)
         assert found.solves <= most
 
 
@@ -373,9 +360,6 @@ def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:
     assert abs(other.values["ratio.geometric@4"] - course[-1]) > 1e-3
 
 
-ERRORS = np.array([0.4, -1.0, 0.7, 1.5, -2.2, 0.1, -0.6, 1.1, 0.9, -0.3])
-
-
 def residuals(errors: np.ndarray, fifth: float | None = None) -> pd.DataFrame:
     """Thrust ratios with errors in standard deviations; the fifth one may be measured as something else."""
     found = np.linspace(0.8, 1.4, len(errors))
@@ -387,13 +371,13 @@ def residuals(errors: np.ndarray, fifth: float | None = None) -> pd.DataFrame:
     return Model(rows, list).rows([Found({"thrustRatio": f}) for f in found])
 
 
-def arrows(panel: Panel) -> list[tuple[str, str, float, float]]:
+def arrows(panel: charts.Panel) -> list[tuple[str, str, float, float]]:
     """Marker, text and place of the marked points."""
     return [(one.marker, *values) for one in panel.series if one.texts for values in zip(one.texts, one.x, one.y, strict=True)]
 
 
 def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others() -> None:
-    sound, (compared, torque, ratio) = (figures("thrustRatio", {"fitted": residuals(ERRORS, fifth)}).panels for fifth in (None, 8.0))
+    sound, (compared, torque, ratio) = (report.chart("thrustRatio", {"fitted": residuals(ERRORS, fifth)}).panels for fifth in (None, 8.0))
     assert compared.x_range[1] < 1.6 and compared.y_range[1] < 1.6
     ((*shown, x, _),) = arrows(compared)
     assert shown == ["triangle-right", "8, model 1.07"] and x == pytest.approx(compared.x_range[1], abs=0.03 * np.ptp(compared.x_range))
@@ -409,12 +393,12 @@ def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others(
 
 @pytest.mark.parametrize(("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)])
 def test_the_reach_is_that_of_the_bulk(errors: np.ndarray, expected: float) -> None:
-    assert reach(residuals(errors)) == pytest.approx(expected)
+    assert report.reach(residuals(errors)) == pytest.approx(expected)
 
 
 def test_the_other_set_does_not_determine_the_axes_but_is_counted() -> None:
-    chart = figures("slip", {"fitted": residuals(ERRORS), "start values": residuals(ERRORS + 60.0)})
-    assert chart.panels[0].x_range == figures("slip", {"fitted": residuals(ERRORS)}).panels[0].x_range
+    chart = report.chart("slip", {"fitted": residuals(ERRORS), "start values": residuals(ERRORS + 60.0)})
+    assert chart.panels[0].x_range == report.chart("slip", {"fitted": residuals(ERRORS)}).panels[0].x_range
     assert all("10 values of start values are outside" in panel.note for panel in chart.panels[1:])
     assert [one.name for one in chart.panels[1].series] == ["within 2", "start values", "fitted"]
     charts.html(chart)

@@ -1,29 +1,14 @@
 """Capacity of the belt: wrong units are answered before anything is solved, and clamping forces carry the torque on both pulleys."""
 
-from __future__ import annotations
-
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import COARSE, WORDS
 
-from pushbelt import cli
-from pushbelt.errors import VariatorWarning
+from pushbelt import StartValueError, Variator, VariatorWarning, cli
 from pushbelt.fmu import unit
-from pushbelt.fmu.start_values import StartValueError
 from pushbelt.points import LEAST_FORCE, MOST_STATES, SteadyStateError
-from pushbelt.variator import Variator
-
-
-@pytest.fixture
-def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
-    """One entry for each initial state that an FMU solves."""
-    calls, original = [], unit.Instance.initialise
-    monkeypatch.setattr(unit.Instance, "initialise", lambda self: (calls.append(self), original(self))[1])
-    return calls
-
 
 NO_POINT = [
     ({"ratio": -1.0}, "ratio = -1"), ({"ratio": 0.0}, "ratio = 0"), ({"torque": float("nan")}, "torque = nan"),
@@ -37,6 +22,14 @@ BEYOND = [
 ]  # fmt: skip
 
 
+@pytest.fixture
+def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
+    """One entry for each initial state that an FMU solves."""
+    calls, original = [], unit.Instance.initialise
+    monkeypatch.setattr(unit.Instance, "initialise", lambda self: (calls.append(self), original(self))[1])
+    return calls
+
+
 @pytest.mark.parametrize(("error", "point", "why"), [*((ValueError, *one) for one in NO_POINT), *((SteadyStateError, *one) for one in BEYOND)])
 def test_what_no_belt_carries_is_refused_before_anything_is_solved(coarse: Variator, initialised: list, error: type, point: dict, why: str) -> None:
     for call in (coarse.steady, coarse.linearize):
@@ -45,6 +38,7 @@ def test_what_no_belt_carries_is_refused_before_anything_is_solved(coarse: Varia
     assert not initialised
 
 
+@pytest.mark.filterwarnings("error")
 def test_forces_in_kilonewtons_are_refused_at_the_start_and_give_a_warning_in_a_run(fmu: Path, initialised: list[object]) -> None:
     with Variator("bench168", {**COARSE, "secondary.clampingForce": 11.0}, fmu=fmu) as run:
         with pytest.raises(StartValueError, match=r"secondary.clampingForce = 11 N: .*Is the force in kN\?"):
@@ -55,19 +49,16 @@ def test_forces_in_kilonewtons_are_refused_at_the_start_and_give_a_warning_in_a_
         with pytest.warns(VariatorWarning, match=r"Is the force in kN\?") as caught:
             run.set({"secondary.clampingForce": 13.0})
         assert caught[0].filename == __file__, "the warning names the line of the caller"
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            # An open pulley, and a torque beyond the capacity that no unit explains.
-            run.set({"secondary.clampingForce": 0.0})
-            run.set({"secondary.clampingForce": 9e3, "primary.torque": 300.0})
+        # An open pulley, and a torque beyond the capacity that no unit explains.
+        run.set({"secondary.clampingForce": 0.0})
+        run.set({"secondary.clampingForce": 9e3, "primary.torque": 300.0})
 
 
+@pytest.mark.filterwarnings("error")
 def test_a_speed_in_rpm_gives_a_warning(coarse: Variator) -> None:
     with pytest.warns(VariatorWarning, match=r"\d+ m/s, above 60 m/s. .* 3000 rpm are 314.2"):
         coarse.steady(1.1, 20.0, speed=3000.0, force=9e3)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        coarse.steady(1.1, 20.0, speed=600.0, force=9e3)
+    coarse.steady(1.1, 20.0, speed=600.0, force=9e3)
 
 
 def test_the_command_line_answers_too(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,7 +1,5 @@
 """Forces that close the pulleys: the law in Python against the FMU's outputs, and what holds a point with cylinders."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from contextlib import closing
@@ -11,18 +9,14 @@ import pytest
 from conftest import COARSE, MESH, ROOT, WORDS
 
 import pushbelt
-from pushbelt import cli
-from pushbelt.errors import ArgumentError
+from pushbelt import ArgumentError, Variator, cli, load_linear, parameter_set
 from pushbelt.fmu.closing import closing_at, closing_force, sheave_position
-from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.unit import Archive
-from pushbelt.linear.grid import load_linear
 from pushbelt.study.tasks import Solver
 from pushbelt.sweep.design import Varied, crossed
 from pushbelt.sweep.point import solve
 from pushbelt.sweep.results import table
 from pushbelt.sweep.study import Study, variator, warnings_of
-from pushbelt.variator import Variator
 
 CYLINDERS = str(ROOT / "resources" / "bench168-cylinders.json")
 PULLEYS = ("primary", "secondary")

@@ -1,7 +1,5 @@
 """Comparison of two runs: pairs of files, differences, and the report."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +8,10 @@ import pytest
 import reports
 from conftest import CHEAP
 
+from pushbelt import Variator, parameter_set
 from pushbelt.compare import __main__, report, runs
-from pushbelt.fmu.data import parameter_set
 from pushbelt.tables import titles
 from pushbelt.tables import write as write_table
-from pushbelt.variator import Variator
 
 
 def write(path: Path, step: float = 0.01, shift: float = 0.0, end: float = 1.0, unit: str = "rad/s") -> Path:

@@ -1,7 +1,5 @@
 """Programs as processes: output that can't be encoded, Ctrl-C and SIGTERM, and files on a full disk."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
@@ -35,6 +33,7 @@ def main():
 if __name__ == "__main__":
     sys.exit(console.run(main))
 """
+TABLE = "i_geo,n_P [rpm],T_P [Nm],F_S [kN],slip [%]\n" + "".join(f"2,1500,{30 + 0.1 * k:g},10,0.2\n0.5,1500,{30 + 0.1 * k:g},10,0.3\n" for k in range(50))
 
 
 def process(words: list[str], **variables: str) -> subprocess.Popen[bytes]:
@@ -59,16 +58,18 @@ def interrupted(started: subprocess.Popen[bytes], busy: Callable[[], bool], how:
 
 
 @INTERRUPTIBLE
-def test_ctrl_c_ends_busy_workers_with_one_line(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("how", "end"), [(signal.SIGINT, (130, ["interrupted"])), (signal.SIGTERM, (143, ["terminated"]))])
+def test_a_signal_ends_busy_workers_with_one_line(how: int, end: tuple[int, list[str]], tmp_path: Path) -> None:
     script, places = tmp_path / "pool.py", [tmp_path / "one", tmp_path / "two"]
     script.write_text(POOL, encoding="utf-8")
-    started = process([str(script), *map(str, places)])
-    assert interrupted(started, lambda: all(place.exists() for place in places)) == (130, ["interrupted"])
+    assert interrupted(process([str(script), *map(str, places)]), lambda: all(place.exists() for place in places), how) == end
 
 
-TABLE = "i_geo,n_P [rpm],T_P [Nm],F_S [kN],slip [%]\n" + "".join(
-    f"2,1500,{30 + 0.1 * k:g},10,0.2\n0.5,1500,{30 + 0.1 * k:g},10,0.3\n" for k in range(50)
-)
+def program(words: list[str], fmu: Path, folder: Path) -> subprocess.Popen[bytes]:
+    """`pushbelt` with an FMU; its table is in the folder."""
+    (folder / "table.csv").write_text(TABLE, encoding="utf-8")
+    words = [word.replace("table.csv", str(folder / "table.csv")) for word in words]
+    return process(["-m", "pushbelt", *words, "--fmu", str(fmu), "--output", str(folder / "out")])
 
 
 @INTERRUPTIBLE
@@ -76,21 +77,10 @@ TABLE = "i_geo,n_P [rpm],T_P [Nm],F_S [kN],slip [%]\n" + "".join(
 @pytest.mark.parametrize("words", [["demo"], ["calibrate", "table.csv"]], ids=lambda words: words[0])
 def test_ctrl_c_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> None:
     """Two processes besides that of resources: workers that have started or are about to."""
-    (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
-    words = [word.replace("table.csv", str(tmp_path / "table.csv")) for word in words]
-    started = process(["-m", "pushbelt", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
-    children = psutil.Process(started.pid).children
-    code, said = interrupted(started, lambda: len(children()) >= 3)
+    started = program(words, fmu, tmp_path)
+    code, said = interrupted(started, lambda: len(psutil.Process(started.pid).children()) >= 3)
     # `calibrate` says first how long it takes.
     assert (code, said[-1:]) == (130, ["interrupted"]) and not any("Traceback" in line for line in said), said
-
-
-@INTERRUPTIBLE
-def test_sigterm_ends_busy_workers_with_one_line(tmp_path: Path) -> None:
-    script, places = tmp_path / "pool.py", [tmp_path / "one", tmp_path / "two"]
-    script.write_text(POOL, encoding="utf-8")
-    started = process([str(script), *map(str, places)])
-    assert interrupted(started, lambda: all(place.exists() for place in places), signal.SIGTERM) == (143, ["terminated"])
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="What a process has loaded is read from /proc")
@@ -98,9 +88,7 @@ def test_sigterm_ends_busy_workers_with_one_line(tmp_path: Path) -> None:
 @pytest.mark.parametrize("words", [["calibrate", "table.csv"], ["drive", "--cycle", "nedc"], ["maps"]], ids=lambda words: words[0])
 def test_sigterm_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> None:
     """Once two workers use the FMU."""
-    (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
-    words = [word.replace("table.csv", str(tmp_path / "table.csv")) for word in words]
-    started = process(["-m", "pushbelt", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
+    started = program(words, fmu, tmp_path)
 
     def busy() -> bool:
         maps = (Path(f"/proc/{one.pid}/maps") for one in psutil.Process(started.pid).children(recursive=True))

@@ -1,6 +1,4 @@
-"""Copies of the FMU for importers that are stricter than the standard: outputs that are all Real, scalars instead of arrays."""
-
-from __future__ import annotations
+"""Copies of the FMU for importers that are stricter than the standard: flat names, outputs that are all Real, scalars instead of arrays."""
 
 import subprocess
 import sys
@@ -17,12 +15,16 @@ from lxml import etree
 
 from pushbelt import cli
 from pushbelt.fmu.copies import ARM, LINUX, REALS, SCALARS
-from pushbelt.fmu.flat import DESCRIPTION, TERMINALS, flat
+from pushbelt.fmu.flat import DESCRIPTION, KEYWORDS, TERMINALS, flat
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.whole_file import copy_archive
 
+OUTPUTS = ("thrustRatio", "primary.speed", "ratio.geometric", "profile.pushForce[7]")
+START = {"ring.model": 1, "initial.ratio": 1.4, "primary.clampingForce": 15e3}
 OVER = {"primary.torque": 400.0, "secondary.torque": -49.0, "primary.clampingForce": 13e3, "secondary.clampingForce": 10e3}
 """Inputs at which the belt slips through."""
+SHOWN = ("profile.pushForce[1]", "profile.pushForce[72]", "profile.gap[7]", "thrustRatio")
+RUN = {"stop_time": 0.02, "step_size": 1e-3, "output_interval": 1e-3, "start_values": {"ring.model": 1, "primary.clampingForce": 15e3}}
 
 
 def written(copy: Path, fmu: Path, *words: str) -> Path:
@@ -35,8 +37,7 @@ def written(copy: Path, fmu: Path, *words: str) -> Path:
 
 
 def description_of(path: Path) -> etree._Element:
-    with zipfile.ZipFile(path) as archive:
-        return etree.fromstring(archive.read(DESCRIPTION))
+    return etree.fromstring(zipfile.Path(path, DESCRIPTION).read_bytes())
 
 
 def token(root: etree._Element) -> str:
@@ -101,10 +102,6 @@ def test_a_host_that_reads_all_outputs_as_real_runs_the_copy(fmu: Path, tmp_path
     assert slips == [row["macroSlip"] for row in found] and set(slips) == {0.0, 1.0}
 
 
-SHOWN = ("profile.pushForce[1]", "profile.pushForce[72]", "profile.gap[7]", "thrustRatio")
-RUN = {"stop_time": 0.02, "step_size": 1e-3, "output_interval": 1e-3, "start_values": {"ring.model": 1, "primary.clampingForce": 15e3}}
-
-
 @pytest.mark.parametrize("words", [(), ("--flat",), ("--flat", "--real-outputs")], ids=" ".join)
 def test_elements_of_arrays_are_scalars_with_their_own_references(words: tuple[str, ...], fmu: Path, fmu3: Path, tmp_path: Path) -> None:
     copy = written(tmp_path / "scalars.fmu", fmu3, "--scalars", *words)
@@ -132,6 +129,66 @@ def test_the_default_keeps_arrays(fmu3: Path, tmp_path: Path) -> None:
     copy = written(tmp_path / "arrays.fmu", fmu3, "--real-outputs")
     found = {one.name: one for one in fmpy.read_model_description(str(copy)).modelVariables}
     assert found["profile.gap"].dimensions and found["macroSlipReal"].valueReference == REALS + found["macroSlip"].valueReference
+
+
+def variables(root: etree._Element) -> list[etree._Element]:
+    return [*root.find("ModelVariables"), *root.iter("Alias")]
+
+
+def test_names_are_identifiers_without_keywords_and_equal_ones() -> None:
+    names = ["a.b", "a_b", "a[1]", "a[1,2].c", "initial", "end.", "der(x)", "slip"]
+    assert list(flat(names).values()) == ["a_b", "a_b_", "a_1", "a_1_2_c", "initial_", "end_", "der_x", "slip"]
+
+
+@pytest.mark.parametrize("kind", ["fmu", "fmu3", "map_fmu", "map_fmu3"])
+def test_only_the_names_of_a_flat_copy_differ(kind: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    original = request.getfixturevalue(kind)
+    copy = written(tmp_path / "flat.fmu", original, "--flat")
+    with zipfile.ZipFile(original) as one, zipfile.ZipFile(copy) as other:
+        assert one.namelist() == other.namelist()
+        terminals = [etree.fromstring(z.read(TERMINALS)) for z in (one, other) if TERMINALS in z.namelist()]
+    before, after = (description_of(path) for path in (original, copy))
+    names = {a.get("name"): b.get("name") for a, b in zip(variables(before), variables(after), strict=True)}
+    assert len(set(names.values())) == len(names) and not KEYWORDS.intersection(names.values())
+    assert all(name.isidentifier() and name.isascii() and len(name) <= 63 for name in names.values())
+    assert names["primary.torque"] == "primary_torque" and names["initial.ratio"] == "initial_ratio"
+    # With the names put back, everything is as before: the GUID, references, units, descriptions.
+    assert after.get("variableNamingConvention") == "flat"
+    after.set("variableNamingConvention", "structured")
+    for element, name in zip(variables(after), names, strict=True):
+        element.set("name", name)
+    assert etree.tostring(after) == etree.tostring(before)
+    if terminals:
+        members = [[m.get("variableName") for m in root.iter("TerminalMemberVariable")] for root in terminals]
+        assert members[1] == [names[name] for name in members[0]] and len(members[0]) > 5
+
+
+def test_fmpy_finds_the_same_results_under_flat_names(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    flat_fmu = written(tmp_path / "flat.fmu", fmu, "--flat")
+    names = flat([*OUTPUTS, *START])
+    settings = {"stop_time": 0.02, "step_size": 1e-3, "output_interval": 1e-3}
+    expected = fmpy.simulate_fmu(str(fmu), output=OUTPUTS, start_values=START, **settings)
+    start = {names[name]: value for name, value in START.items()}
+    found = fmpy.simulate_fmu(str(flat_fmu), output=[names[name] for name in OUTPUTS], start_values=start, **settings)
+    for name in OUTPUTS:
+        assert np.array_equal(found[names[name]], expected[name])
+    assert np.ptp(expected["primary.speed"]) > 0.0
+    capsys.readouterr()
+    assert cli.main(["variables", "--kind", "output", "--fmu", str(flat_fmu)]) == 0
+    said = capsys.readouterr().out
+    assert "ratio_geometric" in said and "profile_pushForce" not in said, "listed without the fields"
+
+
+def test_start_values_hold_under_flat_names(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    copy = written(tmp_path / "own.fmu", fmu, "--flat", "--set", "initial.ratio=1.4", "--set", "ring.model=ALE0")
+    assert "2 start values, flat names" in capsys.readouterr().out
+    assert not list(tmp_path.glob("*.part"))
+    result = fmpy.simulate_fmu(str(copy), stop_time=2e-3, step_size=1e-3, output=["ratio_geometric"], apply_default_start_values=True)
+    assert result["ratio_geometric"][0] == pytest.approx(1.4, rel=1e-6)
+    # They can't be written afterwards: the library reads them by their names with dots.
+    assert cli.main(["fmu", str(tmp_path / "again.fmu"), "--fmu", str(copy), "--set", "initial_ratio=1.2"]) == 1
+    said = capsys.readouterr().err
+    assert "own.fmu" in said and "--flat" in said and "original" in said and said.count("\n") == 1
 
 
 def test_a_copy_for_arm_has_its_library_in_linux64(fmu: Path, tmp_path: Path) -> None:

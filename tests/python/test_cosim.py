@@ -1,7 +1,5 @@
 """The drive as a co-simulation of FMUs: the package, its units, and runs in third-party importers."""
 
-from __future__ import annotations
-
 import ctypes
 import importlib.util
 import shutil
@@ -9,6 +7,7 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from unittest.mock import Mock
 
 import fmpy
 import numpy as np
@@ -39,8 +38,7 @@ def ssp(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def document(ssp: Path, name: str) -> etree._Element:
-    with zipfile.ZipFile(ssp) as archive:
-        return etree.fromstring(archive.read(name))
+    return etree.fromstring(zipfile.Path(ssp, name).read_bytes())
 
 
 def test_package_keeps_the_schema(ssp: Path) -> None:
@@ -61,20 +59,11 @@ def test_units_are_valid_and_have_the_laws_of_the_source_tree(ssp: Path, tmp_pat
                 assert archive.read(f"resources/pushbelt/drive/{name}.py") == source.read_bytes()
 
 
-def test_refusal_is_one_line(
-    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    def refuse(path: str, *_: object) -> None:
-        raise OSError(f"{Path(path).name}: undefined symbol: Py_Initialize")
-
-    monkeypatch.setattr(ctypes, "CDLL", refuse)
+def test_refusal_is_one_line(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> None:
+    monkeypatch.setattr(ctypes, "CDLL", Mock(side_effect=OSError("pythonfmu-export.so: undefined symbol: Py_Initialize")))
     with pytest.raises(UnitError, match="undefined symbol"):
         fmus.build(tmp_path, default_maps())
-
-    def fail(*_: object) -> None:
-        raise UnitError("this Python can't run FMUs of pythonfmu")
-
-    monkeypatch.setattr(study, "run", fail)
+    monkeypatch.setattr(study, "run", Mock(side_effect=UnitError("this Python can't run FMUs of pythonfmu")))
     assert program.main(["--fmu", str(fmu), "--output", str(tmp_path)]) == 1
     assert capsys.readouterr().err == "pushbelt drive --cosim: this Python can't run FMUs of pythonfmu\n"
 

@@ -1,7 +1,5 @@
 """The demo: its pure functions (geometry, load cases, event detection), then a short run of all of it."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path
@@ -22,14 +20,11 @@ from pushbelt.fmu.results import LoadCase, LoadCaseResult, Profile, SteadyState,
 from pushbelt.report import page
 
 BENCH = data.parameter_set("bench168")
-
-
-def variator(name: str) -> dict:
-    return next(entry for entry in data.published_data()["variators"] if entry["id"] == name)
+ABSENT = ("pushForce.max", "loss.ring", "loss.layers", "primary.idleArc", "secondary.idleArc", "ring.stressMax")
 
 
 def test_radii_are_those_derived_for_the_published_variator() -> None:
-    derived = variator("bench168")["derived"]
+    derived = next(entry for entry in data.published_data()["variators"] if entry["id"] == "bench168")["derived"]
     at_one, overdrive = (data.curve_of(BENCH, theta_of(ratio)) for ratio in (1.0, 1 / 2.25))
     for curve, key in ((at_one, "radiiAtRatio1"), (overdrive, "radiiAtSpeedRatio2.25")):
         assert [curve.primary_radius, curve.secondary_radius] == pytest.approx(derived[key], abs=6e-6)
@@ -102,8 +97,7 @@ def test_events_that_do_not_occur_are_shown() -> None:
     trace = synthetic_manoeuvre()
     still = {name: np.full_like(values, values[0]) for name, values in trace.columns.items()}
     assert not any(event.occurred for event in events.detect(Trace(trace.time, still)))
-    slip = np.where(trace.time > 8.505, 0.5, 0.01)
-    found = events.detect(Trace(trace.time, {**trace.columns, "slip": slip}))
+    found = events.detect(Trace(trace.time, {**trace.columns, "slip": np.where(trace.time > 8.505, 0.5, 0.01)}))
     assert [event.name for event in found if not event.occurred] == ["Recovery"], "persistent slip"
 
 
@@ -148,12 +142,10 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert __main__.main(["--fmu", str(fmu), "--output", str(tmp_path), "--short"]) == 0
     report = reports.stands_alone(tmp_path / "report.html")
     # Results come first; reference sections are collapsed, unless a check fails.
-    sections = ["manoeuvre", "cases", "belt", "checks", "sources", "limits"]
-    assert re.findall(r'<h2 id="(\w+)">', report) == sections
+    assert re.findall(r'<h2 id="(\w+)">', report) == ["manoeuvre", "cases", "belt", "checks", "sources", "limits"]
     assert report.index('<div class="facts">') < report.index("<h2") < report.index('<div class="belt"')
     assert report.index('<div class="belt"') < report.index('<div class="panel">') < report.index('id="cases"')
-    folded = re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report)
-    assert folded == [("checks", "", "8 of 8 hold")]
+    assert re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report) == [("checks", "", "8 of 8 hold")]
     verdicts = re.findall(r'class="(?:tick|cross)"[^>]*>(.)</span><span>([^<]*)', report.split('id="checks"')[1].split('id="sources"')[0])
     assert len(verdicts) == 8
     # Most events come after the first second. They are not listed.
@@ -167,9 +159,6 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert list(cases["case"]) == ["overdrive-100", "medium-100", "underdrive-100"]
     assert cases["primary.shaftTorque [N.m]"].to_numpy() == pytest.approx(-100.0, rel=1e-4)
     reports.look_at(tmp_path / "report.html")
-
-
-ABSENT = ("pushForce.max", "loss.ring", "loss.layers", "primary.idleArc", "secondary.idleArc", "ring.stressMax")
 
 
 def test_a_chain_pulls(fmu: Path) -> None:

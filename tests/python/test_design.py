@@ -1,22 +1,20 @@
 """Designs of experiments with any parameters and inputs, and jobs of Slurm as workers."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
 import re
 import stat
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from conftest import MESH
 import reports
+from conftest import MESH
 
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.study.cluster import ClusterError, slurm
@@ -33,13 +31,11 @@ COARSE_OPTIONS = [f"--set={name}={value}" for name, value in MESH.items()]
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("belt.play=1e-4,3e-4", Varied("belt.play", (1e-4, 3e-4))),
-        ("belt.play=2e-4", Varied("belt.play", (2e-4,))),
-        ("primary.torque=-50:50:3", Varied("primary.torque", (-50.0, 0.0, 50.0))),
-        ("ratio=0.5:2", Varied("initial.ratio", span=(0.5, 2.0))),
+        ("belt.play=1e-4,3e-4", Varied("belt.play", (1e-4, 3e-4))), ("belt.play=2e-4", Varied("belt.play", (2e-4,))),
+        ("primary.torque=-50:50:3", Varied("primary.torque", (-50.0, 0.0, 50.0))), ("ratio=0.5:2", Varied("initial.ratio", span=(0.5, 2.0))),
         *((text, None) for text in ("belt.play", "belt.play=", "belt.play=a", "belt.play=2:1", "belt.play=1:2:1", "a=1:2:2.5", "a=1:2,3")),
     ],
-)
+)  # fmt: skip
 def test_columns_are_read(text: str, expected: Varied | None) -> None:
     if expected is not None:
         assert varied(text) == expected
@@ -61,21 +57,24 @@ def test_a_hypercube_fills_each_range_evenly_in_each_combination() -> None:
     assert crossed(columns, samples=20, seed=4) != design
 
 
-def test_a_list_is_read_as_tables_of_rigs_are(tmp_path: Path, variables: Mapping[str, Any]) -> None:
-    """Names of rigs and short names, units in the header, SI without."""
+@pytest.fixture
+def read(tmp_path: Path, variables: Mapping[str, Any]) -> Callable[[str], tuple[Design, list[str]]]:
+    """The design that a list is, by its text, and the remarks on it."""
     path = tmp_path / "points.csv"
-    path.write_text("ratio;n_P [1/min];F_S [kN];belt.play;T_P [Nm]\n0,5;3000;12,5;1e-4;40\n\n2;1500;20,0;3e-4;-20\n", encoding="utf-8")
-    design, remarks = listed(path, variables)
+    return lambda text: (path.write_text(text, encoding="utf-8"), listed(path, variables))[1]
+
+
+def test_a_list_is_read_as_tables_of_rigs_are(read) -> None:
+    """Names of rigs and short names, units in the header, SI without."""
+    design, remarks = read("ratio;n_P [1/min];F_S [kN];belt.play;T_P [Nm]\n0,5;3000;12,5;1e-4;40\n\n2;1500;20,0;3e-4;-20\n")
     names = ("initial.ratio", "initial.primarySpeed", "secondary.clampingForce", "belt.play", "primary.torque")
     assert (design.kind, design.columns, remarks) == ("list", names, [])
     assert design.rows[0] == pytest.approx((0.5, 314.159, 12500.0, 1e-4, 40.0), rel=1e-5)
     assert design.rows[1] == pytest.approx((2.0, 157.080, 20000.0, 3e-4, -20.0), rel=1e-5)
 
 
-def test_what_a_list_does_not_set_is_named(tmp_path: Path, variables: Mapping[str, Any]) -> None:
-    path = tmp_path / "points.csv"
-    path.write_text("no,ratio,thrustRatio,tester,belt.play [mm],secondary.pressure [bar]\n1,1,1.2,NN,0.1,20\n2,2,0.9,NN,#DIV/0!,20\n", encoding="utf-8")
-    design, remarks = listed(path, variables)
+def test_what_a_list_does_not_set_is_named(read) -> None:
+    design, remarks = read("no,ratio,thrustRatio,tester,belt.play [mm],secondary.pressure [bar]\n1,1,1.2,NN,0.1,20\n2,2,0.9,NN,#DIV/0!,20\n")
     assert (design.columns, design.rows) == (("initial.ratio", "belt.play", "secondary.pressure"), ((1.0, 1e-4, 2e6),))
     why = "is no parameter or input of the FMU and is not read"
     assert f"column tester {why}" in remarks and f"column thrustRatio {why}" in remarks
@@ -85,19 +84,14 @@ def test_what_a_list_does_not_set_is_named(tmp_path: Path, variables: Mapping[st
 @pytest.mark.parametrize(
     ("text", "whys"),
     [
-        ("ratio\n", ["header"]),
-        ("ratio,belt.play\n1,\n", ["line 2, column belt.play"]),
-        ("ratio,initial.ratio\n1,1\n", ["2 times"]),
-        ("a,b\n1,2\n", ["no column"]),
-        ("belt.paly,initial.ratio [N],belt.play\n1,1,z\n", ["belt.play is meant?", "not N", "'z' is not a number"]),
+        ("ratio\n", ["header"]), ("ratio,belt.play\n1,\n", ["line 2, column belt.play"]), ("ratio,initial.ratio\n1,1\n", ["2 times"]),
+        ("a,b\n1,2\n", ["no column"]), ("belt.paly,initial.ratio [N],belt.play\n1,1,z\n", ["belt.play is meant?", "not N", "'z' is not a number"]),
     ],
-)
-def test_lists_that_are_refused(tmp_path: Path, variables: Mapping[str, Any], text: str, whys: list[str]) -> None:
+)  # fmt: skip
+def test_lists_that_are_refused(read, text: str, whys: list[str]) -> None:
     """All faults of a file are in one answer."""
-    path = tmp_path / "points.csv"
-    path.write_text(text, encoding="utf-8")
     with pytest.raises(DesignError) as caught:
-        listed(path, variables)
+        read(text)
     for why in whys:
         assert why in str(caught.value)
 
@@ -106,13 +100,11 @@ def test_lists_that_are_refused(tmp_path: Path, variables: Mapping[str, Any], te
     ("columns", "row", "why"),
     [
         (("belt.colour",), (1.0,), "point 1 of the design: the FMU has no parameter or input belt.colour"),
-        (("thrustRatio",), (1.0,), "its causality is output"),
-        (("belt.play",), (-1.0,), "belt.play = -1 m is out of its range"),
-        (("mesh.strand",), (4.5,), "mesh.strand = 4.5 is not an integer"),
+        (("thrustRatio",), (1.0,), "its causality is output"), (("belt.play",), (-1.0,), "belt.play = -1 m is out of its range"),
+        (("mesh.strand",), (4.5,), "mesh.strand = 4.5 is not an integer"), (("friction.ring",), (0.05,), "friction.ring"),
         (("primary.torque", "utilisation"), (10.0, 0.5), "determine each other"),
-        (("friction.ring",), (0.05,), "friction.ring"),
     ],
-)
+)  # fmt: skip
 def test_study_refuses_a_design(fmu: Path, columns: tuple[str, ...], row: tuple[float, ...], why: str) -> None:
     with pytest.raises(ValueError, match=re.escape(why)):
         Study(fmu, variator("bench168"), Design("list", columns, (row,)))
@@ -128,13 +120,11 @@ def test_a_point_follows_from_its_own_parameters() -> None:
     parameters = variator("bench168")
     changed = {"geometry.beltLength": 0.72, "friction.pulley": 0.08, "utilisation": 0.5, "initial.ratio": 1.5}
     values = start_values(parameters, changed)
-    own = {**parameters, "geometry.beltLength": 0.72, "friction.pulley": 0.08}
-    assert values["primary.torque"] == pytest.approx(0.5 * torque_capacity(own, 1.5, 12e3))
+    assert values["primary.torque"] == pytest.approx(0.5 * torque_capacity({**parameters, **changed}, 1.5, 12e3))
     assert values["geometry.beltLength"] == 0.72
     assert values["secondary.speedSetpoint"] == pytest.approx(209.44 / 1.5)
     assert "utilisation" not in values
-    torque = start_values({**parameters, "friction.pulley": 0.09}, {"primary.torque": 33.0})
-    assert torque["primary.torque"] == 33.0
+    assert start_values({**parameters, "friction.pulley": 0.09}, {"primary.torque": 33.0})["primary.torque"] == 33.0
 
 
 def run(fmu: Path, folder: Path, *options: str) -> int:
@@ -150,14 +140,12 @@ def test_a_hypercube_runs_and_goes_on(fmu: Path, tmp_path: Path, capsys: pytest.
     assert np.ptp(table["friction.pulley"].to_numpy()) > 0.02
     assert table["utilisation"].to_pylist() == pytest.approx([0.6] * 12)
     assert table["reason"].null_count == 12
-    document = json.loads(table.schema.metadata[METADATA])
-    assert document["grid"]["columns"]["belt.play"] == {"unit": "m"}
+    assert json.loads(table.schema.metadata[METADATA])["grid"]["columns"]["belt.play"] == {"unit": "m"}
     # Thrust ratios rise with friction, as in the maps.
     rank = table.select(["friction.pulley", "thrustRatio"]).to_pandas().corr("spearman").iloc[0, 1]
     assert rank > 0.8
     text = reports.stands_alone(tmp_path / "report.html")
-    row = re.search(r"<tr>\s*<td[^>]*>(?:<code>)?friction.pulley.*?</tr>", text, re.DOTALL)[0]
-    assert f"{rank:.2f}" in row
+    assert f"{rank:.2f}" in re.search(r"<tr>\s*<td[^>]*>(?:<code>)?friction.pulley.*?</tr>", text, re.DOTALL)[0]
     assert reports.figures(text) == 3 * 3
     assert "Latin hypercube" in text
     (folder,) = (tmp_path / "studies").iterdir()
@@ -166,14 +154,12 @@ def test_a_hypercube_runs_and_goes_on(fmu: Path, tmp_path: Path, capsys: pytest.
     capsys.readouterr()
     assert run(fmu, tmp_path, *options) == 0
     assert "of 12 points are already stored" in capsys.readouterr().out
-    again = pq.read_table(tmp_path / "results.parquet")
-    assert again.drop_columns("time").equals(table.drop_columns("time"))
+    assert pq.read_table(tmp_path / "results.parquet").drop_columns("time").equals(table.drop_columns("time"))
     reports.look_at(tmp_path / "report.html")
 
 
 def test_a_primary_force_determines_the_ratio(fmu: Path, tmp_path: Path) -> None:
-    options = ["--vary", "primary.clampingForce=12e3:16e3:3", "--vary", "primary.torque=50", "--force", "1e4"]
-    assert run(fmu, tmp_path, *options) == 0
+    assert run(fmu, tmp_path, "--vary", "primary.clampingForce=12e3:16e3:3", "--vary", "primary.torque=50", "--force", "1e4") == 0
     ratios = pq.read_table(tmp_path / "results.parquet")["ratio.geometric"].to_pylist()
     assert ratios[0] > ratios[1] > ratios[2]
 
@@ -207,33 +193,27 @@ def test_a_slip_of_units_at_some_points_is_a_warning(fmu: Path) -> None:
 def test_job_script_has_the_options(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("dask_jobqueue")
     asked = "queue=long account=gears walltime=1-02:00:00 cores=16 memory=24GB 'directive=--nice=100' 'prologue=module load python/3.12'"
-    options = ["--fmu", str(fmu), "--output", str(tmp_path), "--slurm", asked, "--print-job"]
-    assert main(options) == 0
+    assert main(["--fmu", str(fmu), "--output", str(tmp_path), "--slurm", asked, "--print-job"]) == 0
     script = capsys.readouterr().out
     assert script.startswith("#!")
     directives = set(re.findall(r"^#SBATCH (.*)$", script, re.MULTILINE))
     assert {"-p long", "-A gears", "-t 1-02:00:00", "--cpus-per-task=16", "--nice=100"} <= directives
     assert "module load python/3.12" in script.splitlines()
     (command,) = (line for line in script.splitlines() if "dask_worker" in line)
-    assert "--nworkers 16 --nanny" in command
-    assert "--nthreads 1" in command
     # Workers close before Slurm ends the job, so that no point is lost.
-    assert f"--lifetime {26 * 3600 - 120}s" in command
+    for part in ("--nworkers 16 --nanny", "--nthreads 1", f"--lifetime {26 * 3600 - 120}s"):
+        assert part in command
     assert not (tmp_path / "studies").exists()
 
 
-@pytest.mark.parametrize(
-    ("text", "why"), [("colour=red", "colour"), ("jobs", "jobs"), ("cores=few", "few"), ("walltime=soon", "walltime=soon")]
-)
+@pytest.mark.parametrize(("text", "why"), [("colour=red", "colour"), ("jobs", "jobs"), ("cores=few", "few"), ("walltime=soon", "walltime=soon")])
 def test_options_of_slurm_that_are_refused(text: str, why: str) -> None:
     pytest.importorskip("dask_jobqueue")
     with pytest.raises(ClusterError, match=why):
         slurm(text)
 
 
-def test_without_slurm_jobs_are_refused(
-    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_without_slurm_jobs_are_refused(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("dask_jobqueue")
     monkeypatch.setenv("PATH", str(tmp_path))
     assert main(["--fmu", str(fmu), "--output", str(tmp_path), "--slurm", "jobs=1"]) == 1
@@ -249,8 +229,7 @@ def test_jobs_of_slurm_solve_a_study(fmu: Path, tmp_path: Path, monkeypatch: pyt
     commands.mkdir()
     log = tmp_path / "jobs"
     scripts = {
-        "sbatch": f'copy=$(mktemp -p {tmp_path})\ncp "$1" $copy\n'
-        f'setsid bash $copy >> {log}.log 2>&1 &\necho $! >> {log}\necho "Submitted batch job $!"',
+        "sbatch": f'copy=$(mktemp -p {tmp_path})\ncp "$1" $copy\nsetsid bash $copy >> {log}.log 2>&1 &\necho $! >> {log}\necho "Submitted batch job $!"',
         "scancel": 'kill -- "-$1"',
     }
     for name, text in scripts.items():

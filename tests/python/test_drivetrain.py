@@ -1,7 +1,5 @@
 """The drivetrain around the FMU: its parts as pure functions, then the FMU's thrust-ratio map and a short drive."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib
 import math
@@ -18,10 +16,8 @@ from pushbelt.drive import __main__, report, runs, simulate, thrust_map, transmi
 from pushbelt.drive.control import Friction, Measured, RatioControl, SafetyFactor, SlipControl
 from pushbelt.drive.cycle import CYCLES, PARTS, Cycle, of_file, wltc_class_3b
 from pushbelt.drive.measure import measure
-from pushbelt.drive.report import Merit, merit
 from pushbelt.drive.piecewise import clip, interpolate
 from pushbelt.drive.thrust_map import ThrustMap
-from pushbelt.drive.transmission import PressureCircuit
 from pushbelt.drive.vehicle import Driver, Powertrain, demo_car
 from pushbelt.durability.table import COLUMNS, MEAN
 from pushbelt.fmu.data import clamping_force
@@ -39,13 +35,14 @@ MAP = ThrustMap(
     slips=np.array([[-0.012, 0.0, 0.012], [-0.013, 0.0, 0.013], [-0.019, 0.0, 0.019]]),
     excesses=np.log([0.3, 0.9, 1.0, 1.1, 3.0]),
     shift_rates=np.broadcast_to(8e-7 * np.array([-0.7, -0.1, 0.0, 0.1, 2.0]), (3, 2, 5)).copy(),
-)
-"""Its belt shifts by 8e-7/(N·rad) times the excess of the primary force at ratio 1 without torque."""
+)  # Its belt shifts by 8e-7/(N·rad) times the excess of the primary force at ratio 1 without torque
 MEASURED = Measured(primary_speed=200.0, ratio=1.0, slip=0.005, macro_slip=False, pitch_radius=0.0575, torque=50.0)
-CARRIED = clamping_force(50.0, 0.0575, 0.09, math.radians(11.0), 1.0)
-"""Force that carries the torque of `MEASURED`, N."""
+CARRIED = clamping_force(50.0, 0.0575, 0.09, math.radians(11.0), 1.0)  # Force that carries the torque of `MEASURED`, N
 LIMITS = (2e3, 6e4)
 STEP = simulate.STEP
+OWN = "Zeit [s];v [km/h]\n0;0\n3,5;0\n8;30,6\n15;36\n20;0\n20,005;0\n"
+PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
+FAST_OVERDRIVE = Cycle(np.array([0.0, 1.0, 21.0, 31.0]), np.array([0.0, 0.0, 31.0, 34.0]))  # To 110 km/h and on to 120 km/h; the last 10 s are looked at
 
 
 def changed(**values: float) -> Measured:
@@ -69,8 +66,8 @@ def test_figures_of_merit_are_sums_over_the_steps() -> None:
     values |= {"engine.speed": 100.0 * np.pi, "primary.pressure": 1e6, "secondary.pressure": 2e6}
     setup = simulate.Setup("made up", "slip", wltc_class_3b().section(0.0, 1.0))
 
-    def found(values: dict[str, float]) -> Merit:
-        return merit(simulate.Run(setup, STEP * np.arange(100), {name: np.full(100, one) for name, one in values.items()}, {}, 0, 1.0))
+    def found(values: dict[str, float]) -> report.Merit:
+        return report.merit(simulate.Run(setup, STEP * np.arange(100), {name: np.full(100, one) for name, one in values.items()}, {}, 0, 1.0))
 
     pump = (20e5 + 2e5) * 12e-6 * 50.0 / 0.85
     assert found(values) == pytest.approx((1e4, 200.0, pump, 20.0, 20e5, 0.98, 1.0 - (200.0 + pump) / (1e4 + pump), 50.0 * (200.0 + pump)))
@@ -97,9 +94,6 @@ def test_section_starts_at_zero_and_at_standstill() -> None:
     for ends, named in (((1578.0, 1700.0), "1578"), ((0.0, 2000.0), "2000")):
         with pytest.raises(ValueError, match=named):
             cycle.section(*ends)
-
-
-OWN = "Zeit [s];v [km/h]\n0;0\n3,5;0\n8;30,6\n15;36\n20;0\n20,005;0\n"
 
 
 def test_a_cycle_of_one_s_own(tmp_path: Path) -> None:
@@ -179,11 +173,11 @@ def test_driver_follows_a_ramp() -> None:
 
 
 def test_pressure_is_a_first_order_lag_within_limits() -> None:
-    circuit = PressureCircuit(1e6)
+    circuit = transmission.PressureCircuit(1e6)
     for _ in range(5):
         circuit.advance(circuit.area * 1.5e6, 0.01)
     assert circuit.pressure == pytest.approx(1e6 + 0.5e6 * (1.0 - math.exp(-1.0)))
-    fast = PressureCircuit(1e6)
+    fast = transmission.PressureCircuit(1e6)
     fast.advance(1e9, 0.01)
     assert fast.pressure == pytest.approx(1e6 + fast.rate * 0.01)
     for demand, limit in ((1e9, circuit.highest), (0.0, circuit.lowest)):
@@ -276,8 +270,7 @@ def test_slip_controller_intervenes(change: dict) -> None:
     rescued = control.force(changed(**change), STEP)
     assert control.intervening
     assert rescued > 1.3 * calm
-    held = [control.force(MEASURED, STEP) for _ in range(round(0.9 * control.HOLD / STEP))]
-    assert min(held) == pytest.approx(rescued)
+    assert min(control.force(MEASURED, STEP) for _ in range(round(0.9 * control.HOLD / STEP))) == pytest.approx(rescued)
     for _ in range(10):
         after = control.force(MEASURED, STEP)
     assert not control.intervening
@@ -304,15 +297,12 @@ def test_ratio_control_shifts_both_ways() -> None:
 def test_ratio_control_reaches_its_target(target: float) -> None:
     """On the first-order belt that the control is designed for, with a map that is 10 % wrong and twice the gain."""
     control = RatioControl(FRICTION, MAP, LIMITS)
-    circuits = [PressureCircuit(1.2e6), PressureCircuit(8e5)]
+    circuits = [transmission.PressureCircuit(1.2e6), transmission.PressureCircuit(8e5)]
     log_ratio, trace = 0.0, []
     for _ in range(800):
         measured = changed(ratio=math.exp(log_ratio))
         wanted = control.forces(target, measured, 8000.0, STEP)
-        primary, secondary = (
-            circuit.area * circuit.advance(circuit.demand(force), STEP)
-            for circuit, force in zip(circuits, wanted, strict=True)
-        )
+        primary, secondary = (circuit.area * circuit.advance(circuit.demand(force), STEP) for circuit, force in zip(circuits, wanted, strict=True))
         balance = 1.1 * MAP.thrust_ratio(measured.ratio, CARRIED / secondary)
         log_ratio -= STEP * 2.0 * 8e-7 * 200.0 * (primary - balance * secondary)
         trace.append(math.exp(log_ratio))
@@ -337,9 +327,6 @@ def test_an_unknown_strategy_is_named() -> None:
 # With the FMU
 
 
-PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
-
-
 @pytest.fixture(scope="module")
 def table(fmu: Path, drive_folder: Path) -> ThrustMap:
     return ThrustMap.of_maps(measure(fmu, PARAMETERS, drive_folder))
@@ -351,8 +338,7 @@ def test_the_map_from_maps_is_that_of_the_drives(table: ThrustMap) -> None:
     found = ThrustMap.of_maps(maps)
     for ratio in (0.5, 0.8, 1.2, 2.0):
         for utilisation in (-0.3, 0.0, 0.3, 0.6):
-            expected = table.thrust_ratio(ratio, utilisation)
-            assert found.thrust_ratio(ratio, utilisation) == pytest.approx(expected, rel=0.06)
+            assert found.thrust_ratio(ratio, utilisation) == pytest.approx(table.thrust_ratio(ratio, utilisation), rel=0.06)
         assert found.shift_gain(ratio, 0.3) == pytest.approx(table.shift_gain(ratio, 0.3), rel=0.35)
     assert found.clearance_force == pytest.approx(table.clearance_force, rel=0.5)
     others = dataclasses.replace(maps, axes={**maps.axes, "shiftUtilisation": np.array([-0.2, 0.3])})
@@ -374,8 +360,7 @@ def test_shift_speed_grows_with_force_as_the_map_says(archive: Archive, table: T
 
 def ripple(values: np.ndarray) -> float:
     """Root mean square of the difference to a moving mean over 0.4 s, relative to the mean."""
-    window = np.ones(round(0.4 / STEP)) * STEP / 0.4
-    smooth = np.convolve(values, window, mode="valid")
+    smooth = np.convolve(values, np.ones(round(0.4 / STEP)) * STEP / 0.4, mode="valid")
     left = (len(values) - len(smooth)) // 2
     return float(np.sqrt(np.mean((values[left : left + len(smooth)] - smooth) ** 2)) / np.mean(values))
 
@@ -394,7 +379,7 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
     assert run["ratio.geometric"][-1] < 1.1
     energies = run.energies()
     assert abs(report.balance_gap(run, CAR.engine_inertia)) < 0.005 * energies["engine, driving"]
-    found = merit(run)
+    found = report.merit(run)
     assert found.lost == pytest.approx(energies["variator"])
     assert 0.9 < found.efficiency < 0.99
     # What the shafts supply is what they carry away and what is lost; powers of the belt exclude the drag of the shafts.
@@ -432,10 +417,6 @@ def test_slip_control_rescues_a_belt_of_low_friction(archive: Archive, table: Th
     assert slip.variator_loss < 0.5 * fixed.variator_loss
 
 
-FAST_OVERDRIVE = Cycle(np.array([0.0, 1.0, 21.0, 31.0]), np.array([0.0, 0.0, 31.0, 34.0]))
-"""To 110 km/h and on to 120 km/h; the last 10 s are looked at."""
-
-
 def in_fast_overdrive(archive: Archive, table: ThrustMap) -> tuple[simulate.Run, Array, float]:
     """A run with slip control, its late part, and how far its ratio is from the target there, root mean square of the logarithm."""
     run = simulate.run(archive, CAR, table, simulate.Setup("overdrive", "slip", FAST_OVERDRIVE))
@@ -470,7 +451,7 @@ def test_pressure_feedback_counts_near_capacity(archive: Archive, table: ThrustM
     led, late, _ = in_fast_overdrive(archive, table)
     assert led["utilisation.signed"][late].mean() > 0.85
     assert led["macroSlip"].sum() == 0.0
-    monkeypatch.setattr(PressureCircuit, "demand", lambda _, wanted: wanted)
+    monkeypatch.setattr(transmission.PressureCircuit, "demand", lambda _, wanted: wanted)
     lagging, _, _ = in_fast_overdrive(archive, table)
     assert lagging["macroSlip"].sum() > 0.0
 
@@ -486,8 +467,7 @@ def test_ratio_loop_makes_up_for_a_wrong_law_over_force(archive: Archive, table:
 
 def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, drive_folder: Path) -> None:
     """4 s of the cycle; `table` is in the folder already, so that it isn't solved for again."""
-    arguments = ["--fmu", str(fmu), "--output", str(drive_folder), "--short", "--until", "4"]
-    assert __main__.main(arguments) == 0
+    assert __main__.main(["--fmu", str(fmu), "--output", str(drive_folder), "--short", "--until", "4"]) == 0
     page = reports.stands_alone(drive_folder / "report.html")
     for section in ("strategies", "friction", "drive", "map", "belt", "closeup", "sources"):
         assert f'<h2 id="{section}">' in page
@@ -507,9 +487,7 @@ def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, dr
     reports.look_at(drive_folder / "report.html")
 
 
-def test_an_fmu_of_maps_drives_a_cycle_of_one_s_own(
-    map_fmu: Path, fmu: Path, table: ThrustMap, drive_folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_fmu_of_maps_drives_a_cycle_of_one_s_own(map_fmu: Path, fmu: Path, table: ThrustMap, drive_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a belt to look at; its loss is the FMU's total. A heavier car needs more work."""
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     (drive_folder / "own.csv").write_text(OWN, encoding="utf-8")

@@ -1,8 +1,6 @@
 """FMUs as files: untrusted ones give one error, nothing is written outside the folder, and no temporary files remain; the cache of unpacked
 ones is repaired, and replaced where it cannot be written."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import stat
@@ -17,12 +15,11 @@ import fmpy
 import pytest
 
 import pushbelt
-from pushbelt import cli
+from pushbelt import InputFileError, cli, parameter_set
 from pushbelt.demo import __main__ as demo_main
 from pushbelt.fmu import cache, unit, untrusted
-from pushbelt.fmu.data import parameter_set
-from pushbelt.fmu.unit import Archive
-from pushbelt.fmu.untrusted import InputFileError
+
+ENTITIES = b"".join(b'<!ENTITY a%d "%s">' % (k, b"&a%d;" % (k - 1) * 10) for k in range(1, 10))
 
 
 @pytest.fixture(autouse=True)
@@ -53,7 +50,7 @@ def test_paths_that_lead_out_are_refused(fmu: Path, tmp_path: Path, own_cache: P
     place = tmp_path / "in" / "here"
     place.mkdir(parents=True)
     path = with_entry(fmu, place / "bad.fmu", name, b"outside", mode)
-    for unpack in (lambda: Archive.unpack(path, place / "unpacked"), lambda: cache.unpacked(path)):
+    for unpack in (lambda: unit.Archive.unpack(path, place / "unpacked"), lambda: cache.unpacked(path)):
         with pytest.raises(InputFileError, match="bad.fmu is not unpacked") as refused:
             unpack()
         assert name.replace("\\", "") in str(refused.value).replace("\\", "")
@@ -69,7 +66,7 @@ def test_an_identifier_is_a_name_in_c(fmu: Path, tmp_path: Path, identifier: str
         other = content.replace(b'modelIdentifier="PushbeltVariator"', f'modelIdentifier="{identifier}"'.encode())
         assert other != content
         target.writestr("modelDescription.xml", other)
-    for unpack in (Archive.unpack, cache.unpacked, untrusted.described):
+    for unpack in (unit.Archive.unpack, cache.unpacked, untrusted.described):
         with pytest.raises(InputFileError, match="bad.fmu is not a usable FMU: its modelIdentifier[^\n]*$"):
             unpack(path)
     assert [one.name for one in tmp_path.iterdir()] == ["bad.fmu"]
@@ -81,7 +78,7 @@ def test_an_archive_that_would_fill_the_disk_is_refused(fmu: Path, tmp_path: Pat
     for limit, value, named in (("LARGEST_FILE", 40_000_000, "40 MB"), ("MOST_FILES", 1, "1")):
         with monkeypatch.context() as patch, pytest.raises(InputFileError, match=f"above the limit of {named}"):
             patch.setattr(untrusted, limit, value)
-            Archive.unpack(path)
+            unit.Archive.unpack(path)
     # The directory of the archive contains a small size, but the file's content is large.
     path = with_entry(fmu, tmp_path / "lie.fmu", "resources/zeros", bytes(1_000_000))
     data = bytearray(path.read_bytes())
@@ -90,26 +87,19 @@ def test_an_archive_that_would_fill_the_disk_is_refused(fmu: Path, tmp_path: Pat
     struct.pack_into("<I", data, at + 24, 10)
     path.write_bytes(data)
     with pytest.raises(InputFileError, match="lie.fmu is not a usable FMU"):
-        Archive.unpack(path, tmp_path / "unpacked")
+        unit.Archive.unpack(path, tmp_path / "unpacked")
 
 
-@pytest.mark.parametrize(
-    "spoil", [lambda data: b"", lambda data: b"PK\3\4", lambda data: data[: len(data) // 2], lambda data: data[:-22] + bytes(22)]
-)
-def test_what_is_cut_or_damaged_is_refused(
-    fmu: Path, tmp_path: Path, spoil: Callable[[bytes], bytes], capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.parametrize("spoil", [lambda data: b"", lambda data: b"PK\3\4", lambda data: data[: len(data) // 2], lambda data: data[:-22] + bytes(22)])
+def test_what_is_cut_or_damaged_is_refused(fmu: Path, tmp_path: Path, spoil: Callable[[bytes], bytes], capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "bad.fmu"
     path.write_bytes(spoil(fmu.read_bytes()))
     with pytest.raises(InputFileError, match="bad.fmu"):
-        Archive.unpack(path)
+        unit.Archive.unpack(path)
     for main, words in ((cli.main, ["fmu", str(tmp_path / "own.fmu")]), (demo_main.main, ["--output", str(tmp_path / "out")])):
         assert main([*words, "--fmu", str(path)]) == 1
         said = capsys.readouterr().err
         assert said.count("\n") == 1 and "bad.fmu" in said, "one error, and no more"
-
-
-ENTITIES = b"".join(b'<!ENTITY a%d "%s">' % (k, b"&a%d;" % (k - 1) * 10) for k in range(1, 10))
 
 
 @pytest.mark.parametrize(
@@ -125,7 +115,7 @@ def test_a_model_description_that_is_none_is_refused(tmp_path: Path, xml: bytes)
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", xml)
     with pytest.raises(InputFileError, match="xml.fmu is not a usable FMU") as refused:
-        Archive.unpack(path)
+        unit.Archive.unpack(path)
     assert "root:" not in str(refused.value)
 
 

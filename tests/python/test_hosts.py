@@ -1,8 +1,6 @@
 """Hosts that share no code with fmpy or this project: programs in C, for FMI 3.0 and for rigs, and `fmu-runner`, an importer in Rust. Then the
 example of the FMI layer, a first-order lag, built, packed and simulated by fmpy in both versions of FMI."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -24,6 +22,7 @@ LOADS = ["smooth", "firing", "ripple", "noise", "slam", "launch", "flips", "stai
 INPUTS = {"primary.torque": 60.0, "secondary.torque": -58.0, "primary.clampingForce": 14e3, "secondary.clampingForce": 10e3}
 STEPS = 40
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="the program needs Linux")
+PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}  # The folder of the library in an archive of each version
 
 
 @LINUX
@@ -54,8 +53,7 @@ def test_the_program_for_rigs_runs_the_library_and_counts(fmu: Path, description
     assert [name for name, _ in rows] == LOADS, run.stdout
     # Of 15 000 steps.
     assert sum(int(again) for _, again in rows) <= 30, run.stdout
-    counted = [int(count) for count in re.findall(r"up to .* ms: (\d+)", run.stdout)]
-    assert sum(counted) == 300 * len(rows)
+    assert sum(int(count) for count in re.findall(r"up to .* ms: (\d+)", run.stdout)) == 300 * len(rows)
     unknown = subprocess.run([*command, "--sideways"], capture_output=True, text=True)
     assert unknown.returncode == 2 and "--sideways" in unknown.stderr
     nothing = subprocess.run([*command, "--load", "surf"], capture_output=True, text=True)
@@ -75,17 +73,13 @@ def test_a_loop_in_the_initialisation_closes_by_substitution(fmu: Path) -> None:
     assert rounds[0] > 1e-3 and rounds[3] < 1e-9 and not primary.any()
 
 
-@pytest.fixture(scope="module")
-def importer() -> Path:
-    """The program, compiled in a folder of its own."""
+@pytest.mark.slow
+def test_an_importer_in_rust_finds_what_fmpy_finds(fmu: Path) -> None:
+    """The program is compiled in a folder of its own."""
     target = ROOT / "target" / "importer"
     command = [cargo(), "build", "--locked", f"--manifest-path={ROOT / 'tests' / 'importer' / 'Cargo.toml'}", f"--target-dir={target}"]
     subprocess.run(command, check=True)
-    return target / "debug" / ("importer.exe" if os.name == "nt" else "importer")
-
-
-@pytest.mark.slow
-def test_an_importer_in_rust_finds_what_fmpy_finds(importer: Path, fmu: Path) -> None:
+    importer = target / "debug" / ("importer.exe" if os.name == "nt" else "importer")
     done = subprocess.run([importer, fmu, str(STEPS)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     found = {name: float(value) for name, value in (line.split() for line in done.stdout.splitlines())}
@@ -98,9 +92,6 @@ def test_an_importer_in_rust_finds_what_fmpy_finds(importer: Path, fmu: Path) ->
     assert len(found) == 6
     assert found == pytest.approx(expected, rel=1e-9)
     assert found["ratio.geometric"] != pytest.approx(1.0, abs=1e-3), "the inputs act"
-
-
-PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}  # The folder of the library in an archive of each version
 
 
 @pytest.fixture(scope="module")

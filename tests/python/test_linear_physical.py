@@ -1,7 +1,5 @@
 """Linear models in physical coordinates: the transform, interpolation, discrete time, and the loop of the page."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,12 +7,9 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from pushbelt.errors import ArgumentError
+from pushbelt import ArgumentError, LinearGrid, LinearModel, LinearPointError, Variator
 from pushbelt.linear import physical as linear_physical
-from pushbelt.linear.grid import LinearGrid
-from pushbelt.linear.model import LinearModel, LinearPointError
 from pushbelt.linear.physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
-from pushbelt.variator import Variator
 
 ALL = ("primary.torque", "primary.clampingForce", "secondary.torque", "secondary.clampingForce")
 OUTPUTS = ("primary.speed", "secondary.speed", "ratio.geometric", "slip")
@@ -65,19 +60,16 @@ def test_a_pair_becomes_a_lag() -> None:
     assert found.poles == pytest.approx([-0.2 + 0.1j, -0.2 - 0.1j, -abs(-60.0 + 170.0j)])
     assert found.response(0.0) == pytest.approx(model.response(0.0))
     assert found.c[:2] == pytest.approx(np.eye(3)[:2], abs=1e-9)
-    near = found.response(0.5) - model.response(0.5)
-    assert np.abs(near).max() < 0.02 * np.abs(model.response(0.5)).max()
+    assert np.abs(found.response(0.5) - model.response(0.5)).max() < 0.02 * np.abs(model.response(0.5)).max()
 
 
 @pytest.mark.parametrize(
     ("inputs", "states"),
     [
-        (ALL, ("primary.speed", "secondary.speed", LOG_RATIO)),
-        (("primary.torque", *ALL[1::2], "secondary.speedSetpoint"), ("primary.speed", LOG_RATIO)),
-        (("primary.torque", "secondary.torque", "secondary.clampingForce"), ("primary.speed", "secondary.speed")),
-        (("primary.speedSetpoint", "secondary.speedSetpoint", *ALL[1::2]), (LOG_RATIO,)),
+        (ALL, ("primary.speed", "secondary.speed", LOG_RATIO)), ((ALL[0], *ALL[1::2], "secondary.speedSetpoint"), ("primary.speed", LOG_RATIO)),
+        ((ALL[0], *ALL[2:]), ("primary.speed", "secondary.speed")), (("primary.speedSetpoint", "secondary.speedSetpoint", *ALL[1::2]), (LOG_RATIO,)),
     ],
-)
+)  # fmt: skip
 def test_coordinates_that_are_held_drop_out(inputs: tuple[str, ...], states: tuple[str, ...]) -> None:
     found = physical(invented([-0.3, -2.0, -140.0], inputs))
     assert found.states == states and found.a.shape == (len(states), len(states))

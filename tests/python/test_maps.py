@@ -1,7 +1,5 @@
 """Maps: their parts as pure functions, the maps of a coarse belt on a cluster, their files read by other programs, and the report."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math
@@ -13,9 +11,9 @@ import netCDF4
 import numpy as np
 import pandas
 import pytest
-from conftest import MESH
 import reports
 import xarray
+from conftest import MESH
 from pushbelt_validation.bench import Bench
 from scipy.io import loadmat, whosmat
 
@@ -28,7 +26,6 @@ from pushbelt.maps.data import LOSSES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, collect, monotone, stops
 from pushbelt.report.side_by_side import Call
 from pushbelt.study import run
-from pushbelt.study.run import Store
 from pushbelt.study.tasks import Solver, variator
 
 PARAMETERS = variator("bench168", changes=MESH)
@@ -38,8 +35,7 @@ GRID = Grid(
     ratio=(0.6, 1.0, 1.8),
     utilisation=(-0.5, -0.2, 0.0, 0.3, 0.7, 1.1),
     excess=(-0.4, -0.1, 0.0, 0.1, 0.4),
-)
-"""12 lines; a utilisation of 1.1 is beyond what the belt carries."""
+)  # 12 lines; a utilisation of 1.1 is beyond what the belt carries
 
 
 @pytest.fixture(scope="module")
@@ -54,14 +50,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def maps(plan: Plan, folder: Path) -> Maps:
-    """The maps of all lines, after a run that was interrupted by losing half of the finished lines."""
-    return collect(plan, run.solve(plan, folder, workers=2))
-
-
-@pytest.fixture(scope="module")
-def written(maps: Maps, folder: Path) -> Path:
-    files.write(maps, folder)
-    return folder
+    """The maps of all lines. Their files are in the folder."""
+    found = collect(plan, run.solve(plan, folder, workers=2))
+    files.write(found, folder)
+    return found
 
 
 def test_stops_are_where_a_radius_is_at_its_limit(plan: Plan) -> None:
@@ -83,9 +75,7 @@ def test_shift_rates_are_made_monotone() -> None:
     assert monotone(np.array([[0.5, -1.0, 1.0, 2.0]]), excesses)[0, 0] == -1.0
 
 
-@pytest.mark.parametrize(
-    "values", [{"force": ()}, {"ratio": (1.0, 0.5)}, {"speed": (0.0, 10.0)}, {"excess": (-0.1, 0.1)}, {"slip_share": (-1.0, 0.5)}]
-)
+@pytest.mark.parametrize("values", [{"force": ()}, {"ratio": (1.0, 0.5)}, {"speed": (0.0, 10.0)}, {"excess": (-0.1, 0.1)}, {"slip_share": (-1.0, 0.5)}])
 def test_grid_refuses(values: dict) -> None:
     with pytest.raises(ValueError, match=next(iter(values))):
         Grid(**values)
@@ -170,7 +160,7 @@ def test_a_line_is_stored_when_it_is_solved(plan: Plan, tmp_path: Path, monkeypa
     monkeypatch.setattr(run.side_by_side, "tick", lambda _: None)
     with pytest.raises(KeyboardInterrupt):
         run.solve_in_processes(plan, tmp_path, "lines")
-    assert [bool(row["points"]) for row in Store(tmp_path, plan).rows().values()] == [True]
+    assert [bool(row["points"]) for row in run.Store(tmp_path, plan).rows().values()] == [True]
 
 
 def test_shift_rates_are_those_of_the_validation_s_own_runs(archive: Archive, maps: Maps) -> None:
@@ -185,7 +175,7 @@ def test_shift_rates_are_those_of_the_validation_s_own_runs(archive: Archive, ma
 
 
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:
-    rows = Store(folder, plan).rows()
+    rows = run.Store(folder, plan).rows()
     rows[4] = {"reason": "no belt", "time": 0.1}
     found = collect(plan, rows)
     f, s, r = np.unravel_index(4, (2, 2, 3))
@@ -197,8 +187,8 @@ def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps,
 
 
 @pytest.mark.parametrize("name", files.OWN)
-def test_files_are_read_back_and_damaged_ones_refused(maps: Maps, written: Path, tmp_path: Path, name: str) -> None:
-    found, content = Maps.read(written / name), (written / name).read_bytes()
+def test_files_are_read_back_and_damaged_ones_refused(maps: Maps, folder: Path, tmp_path: Path, name: str) -> None:
+    found, content = Maps.read(folder / name), (folder / name).read_bytes()
     assert found.identity == maps.identity
     assert (found.source, found.reasons, found.parameters) == (maps.source, maps.reasons, maps.parameters)
     for k, damaged in enumerate((content[: len(content) // 2], b"", b"{}", b"\x89" + content[1:])):
@@ -217,8 +207,8 @@ def test_maps_that_are_not_finite_are_refused(maps: Maps) -> None:
         Maps.of_document(document)
 
 
-def test_netcdf_is_read_by_other_libraries(maps: Maps, written: Path) -> None:
-    with netCDF4.Dataset(written / "maps.nc") as file:
+def test_netcdf_is_read_by_other_libraries(maps: Maps, folder: Path) -> None:
+    with netCDF4.Dataset(folder / "maps.nc") as file:
         assert file.data_model == "NETCDF3_64BIT_OFFSET"
         variable = file["thrustRatio"]
         assert variable.dimensions == ("force", "speed", "ratio", "utilisation")
@@ -226,33 +216,31 @@ def test_netcdf_is_read_by_other_libraries(maps: Maps, written: Path) -> None:
         assert np.array_equal(variable[:], maps["thrustRatio"])
         assert json.loads(file.parameters) == maps.parameters
         assert file["state"].flag_meanings.split()[2] == "beyond_capacity"
-    with xarray.open_dataset(written / "maps.nc", engine="netcdf4") as data:
-        at = data.sel(force=6e3, speed=300.0, ratio=1.0, utilisation=0.3)
-        assert float(at.slip) == maps["slip"][0, 1, 1, 3]
+    with xarray.open_dataset(folder / "maps.nc", engine="netcdf4") as data:
+        assert float(data.sel(force=6e3, speed=300.0, ratio=1.0, utilisation=0.3).slip) == maps["slip"][0, 1, 1, 3]
         assert float(data.slip.where(data.valid == 1.0).max()) == np.nanmax(maps.masked("slip"))
 
 
-def test_matlab_file_is_read_back(maps: Maps, written: Path) -> None:
-    names = {name for name, _, _ in whosmat(written / "maps.mat")}
-    assert max(map(len, names)) <= 31
-    found = loadmat(written / "maps.mat")
+def test_matlab_file_is_read_back(maps: Maps, folder: Path) -> None:
+    assert max(map(len, {name for name, _, _ in whosmat(folder / "maps.mat")})) <= 31
+    found = loadmat(folder / "maps.mat")
     assert np.array_equal(found["tbl_thrustRatio"], maps["thrustRatio"].transpose(2, 3, 1, 0))
     assert found["bp_ratio"].ravel().tolist() == maps.axes["ratio"].tolist()
     assert found["tbl_shiftGain"].shape == (3, 2, 2, 2)
     assert [row[1][0] for row in found["names"] if row[0][0] == "tbl_slip"] == ["ratio,utilisation,speed,force"]
 
 
-def test_modelica_tables_are_read(maps: Maps, written: Path) -> None:
+def test_modelica_tables_are_read(maps: Maps, folder: Path) -> None:
     """CombiTable2D: text with the line #1, and MAT v4. Row and column 0 have the values of the inputs."""
-    found = loadmat(written / "maps_combitable.mat")
+    found = loadmat(folder / "maps_combitable.mat")
     table = found["thrustRatio_f2_s1"]
     assert table[0, 1:].tolist() == maps.axes["utilisation"].tolist()
     assert table[1:, 0].tolist() == maps.axes["ratio"].tolist()
     assert np.array_equal(table[1:, 1:], maps["thrustRatio"][1, 0])
     assert found["forces"].tolist() == [[6e3, 12e3]]
     # A matrix of MAT v4 begins with its type, 0 for doubles in little endian.
-    assert (written / "maps_combitable.mat").read_bytes()[:4] == b"\0\0\0\0"
-    text = (written / "maps_combitable.txt").read_text(encoding="ascii")
+    assert (folder / "maps_combitable.mat").read_bytes()[:4] == b"\0\0\0\0"
+    text = (folder / "maps_combitable.txt").read_text(encoding="ascii")
     assert text.startswith("#1\n")
     blocks = re.findall(r"double (\w+)\((\d+),(\d+)\)\n((?:[-\d][^\n]*\n)+)", text)
     assert {name for name, *_ in blocks} == {name for name in found if not name.startswith("__")}
@@ -262,24 +250,22 @@ def test_modelica_tables_are_read(maps: Maps, written: Path) -> None:
         assert np.array_equal(values, found[name])
 
 
-def test_csv_files_are_read_by_pandas(maps: Maps, written: Path) -> None:
-    table = pandas.read_csv(written / "maps.csv", skiprows=[1])
+def test_csv_files_are_read_by_pandas(maps: Maps, folder: Path) -> None:
+    table = pandas.read_csv(folder / "maps.csv", skiprows=[1])
     assert len(table) == maps.valid.size
     assert table.thrustRatio.tolist() == maps["thrustRatio"].ravel().tolist()
     assert table.reason.notna().sum() == len(maps.reasons)
-    loss = pandas.read_csv(written / "torque_loss.csv")
+    loss = pandas.read_csv(folder / "torque_loss.csv")
     assert len(loss) == maps.valid.sum()
     assert np.allclose(loss.torque_loss_Nm, maps["torqueLoss"][maps.valid], rtol=1e-8)
     assert loss.speed_rpm.max() == pytest.approx(300.0 * 30.0 / math.pi)
     assert list(table)[:4] == ["force", "speed", "ratio", "utilisation"]
 
 
-def test_the_program_writes_what_it_names(
-    fmu: Path, maps: Maps, written: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_program_writes_what_it_names(fmu: Path, maps: Maps, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     output = tmp_path / "out"
     words = ["--force=6000", "--speed=100", "--ratio=0.8,1.2", "--utilisation=-0.3,0,0.3,0.6", "--workers=1"]
-    words += [f"--set={name}={value}" for name, value in MESH.items()] + ["--beside", str(written / "maps.nc")]
+    words += [f"--set={name}={value}" for name, value in MESH.items()] + ["--beside", str(folder / "maps.nc")]
     assert __main__.main(["--fmu", str(fmu), "--output", str(output), *words]) == 0
     printed = [Path(line.split(" (")[0]) for line in capsys.readouterr().out.splitlines()]
     assert len(printed) == 9

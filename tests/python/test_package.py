@@ -1,7 +1,5 @@
 """The package, read from its source: imports between its parts, errors and their messages, version and data."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 from xml.etree import ElementTree
@@ -12,20 +10,21 @@ import pushbelt
 
 PACKAGE = ROOT / "python" / "pushbelt"
 PROGRAMS = ("belt", "calibrate", "compare", "demo", "drive", "durability", "linearize", "maps", "sweep")
-MODULES = {
-    ".".join(("pushbelt", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
-    for path in sorted(PACKAGE.rglob("*.py"))
-}
-
+MODULES = {".".join(("pushbelt", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path for path in sorted(PACKAGE.rglob("*.py"))}
 
 LIBRARY = {f"pushbelt.{name}" for name in ("points", "recording", "variator")}
 """Modules of what `pushbelt` exports, besides the packages `fmu`, `linear` and `maps`."""
-NOT_RAISED_BY_CALLS = {"NotFoundError"}
-"""Errors of modules in `pushbelt.fmu` that serve the programs."""
+NOT_RAISED_BY_CALLS = {"NotFoundError"}  # Errors of modules in `pushbelt.fmu` that serve the programs
 BUILTIN = {"ValueError", "KeyError", "FileNotFoundError", "ModuleNotFoundError", "AttributeError", "argparse.ArgumentTypeError"}
 """Errors of Python that the package raises. Other errors are classes of the package."""
 BROAD = {f"pushbelt.{name}" for name in ("fmu.unit", "fmu.untrusted", "study.tasks", "tables.files", "report.side_by_side", "study.cluster")}
 """Modules that convert any exception of a library or a worker to an error or a reason."""
+TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()}
+LOW = {"errors", "fmu", "shared", "linear", "study", "maps", "tables"}
+MAY_IMPORT = {
+    "errors": {"errors"}, "fmu": {"errors", "fmu"}, "shared": LOW, "linear": LOW, "study": LOW,
+    "maps": {*LOW, "cli"}, "tables": LOW, "cli": {*LOW, "cli"},
+} | {program: {*LOW, "cli", program} for program in PROGRAMS}  # fmt: skip
 
 
 def part_of(module: str) -> str:
@@ -36,9 +35,6 @@ def part_of(module: str) -> str:
     if module == "pushbelt.__main__":
         return "cli"
     return names[1] if len(names) > 1 and names[1] in MAY_IMPORT else "shared"
-
-
-TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()}
 
 
 def imported(module: str) -> set[str]:
@@ -53,13 +49,6 @@ def imported(module: str) -> set[str]:
             source = ".".join([*base, *(node.module or "").split(".")]).strip(".")
             found |= {source, *(f"{source}.{alias.name}" for alias in node.names)}
     return found & MODULES.keys() - {module}
-
-
-LOW = {"errors", "fmu", "shared", "linear", "study", "maps", "tables"}
-MAY_IMPORT = {
-    "errors": {"errors"}, "fmu": {"errors", "fmu"}, "shared": LOW, "linear": LOW, "study": LOW,
-    "maps": {*LOW, "cli"}, "tables": LOW, "cli": {*LOW, "cli"},
-} | {program: {*LOW, "cli", program} for program in PROGRAMS}  # fmt: skip
 
 
 def test_imports_go_one_way() -> None:
@@ -102,6 +91,5 @@ def test_errors_have_a_known_class_and_a_message() -> None:
 
 
 def test_version_is_that_of_the_model_description() -> None:
-    description = ElementTree.parse(ROOT / "modelDescription.xml").getroot()
-    assert pushbelt.__version__ == description.get("version")
+    assert pushbelt.__version__ == ElementTree.parse(ROOT / "modelDescription.xml").getroot().get("version")
     assert 'version = { attr = "pushbelt._version.__version__" }' in (ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8")

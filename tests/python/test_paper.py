@@ -1,7 +1,5 @@
 """The report on the paper, and its FMU: following an element, means over a part of a run, computing times, every ring; all of it, short."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,12 +8,12 @@ import fmpy
 import numpy as np
 import pandas as pd
 import pytest
+import reports
+from conftest import built
 from pushbelt_paper import __main__, cases, profiles, rings, runs, times
 from pushbelt_paper.results import MODELS, Window
 from pushbelt_paper.statements import Statement, Verdict, compared
 
-import reports
-from conftest import built
 from pushbelt.fmu.data import load_cases, parameter_set
 from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.geometry import TwoPulleyCurve
@@ -27,9 +25,7 @@ CURVE = TwoPulleyCurve(0.168, 0.703, -0.4)
 OFFSET = 1e-3
 
 
-@pytest.mark.parametrize(
-    ("start", "advance"), [(CURVE.borders[2], CURVE.primary_radius), (0.0, CURVE.secondary_radius), (CURVE.borders[1], math.inf)]
-)
+@pytest.mark.parametrize(("start", "advance"), [(CURVE.borders[2], CURVE.primary_radius), (0.0, CURVE.secondary_radius), (CURVE.borders[1], math.inf)])
 def test_an_element_gains_on_the_centre_line_of_an_arc(start: float, advance: float) -> None:
     """A revolution takes the pitch line over the speed; on an arc of a radius the centre line is longer by radius/(radius − offset)."""
     speed = 7.0
@@ -74,13 +70,11 @@ def test_ratios_of_times_are_products_of_their_factors() -> None:
         *(("a", "ALE", "constant", 0.4, 0.4, 1.6, 10, 40, 4) for _ in range(3)),
     ]
     measured = pd.DataFrame(rows, columns=columns)
-    ratios = times.ratios(measured)["constant", "ALE"]
-    assert ratios.to_dict() == pytest.approx({"a": 2.0 / 4.0, "b": 0.7 / 6.0})
+    assert times.ratios(measured)["constant", "ALE"].to_dict() == pytest.approx({"a": 2.0 / 4.0, "b": 0.7 / 6.0})
     found = times.factors(measured).loc["constant", "ALE"]
     assert (found["min"], found["max"], found["start"]) == pytest.approx((0.7 / 6.0, 0.5, 0.3))
     assert found["steps"] == pytest.approx(0.1)
-    product = found["steps"] * found["residuals a step"] * found["time a residual"]
-    assert product == pytest.approx(math.sqrt(0.5 * 0.7 / 6.0))
+    assert found["steps"] * found["residuals a step"] * found["time a residual"] == pytest.approx(math.sqrt(0.5 * 0.7 / 6.0))
     assert times.spread(measured) == pytest.approx(0.2 / 0.7)
 
 
@@ -137,8 +131,7 @@ def test_other_meshes_and_directions_shift_as_the_standard_ring(paper_archive: A
 
 
 def test_enumerations_are_those_of_the_papers_fmu(paper_fmu: Path) -> None:
-    description = fmpy.read_model_description(str(paper_fmu))
-    (ring,) = (kind for kind in description.typeDefinitions if kind.name == "RingModel")
+    (ring,) = (kind for kind in fmpy.read_model_description(str(paper_fmu)).typeDefinitions if kind.name == "RingModel")
     assert {item.name: int(item.value) for item in ring.items} == {item.name: item.value for item in cases.RingModel}
 
 

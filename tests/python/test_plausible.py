@@ -1,7 +1,5 @@
 """What cannot be on a variator is refused before any fit, with the reading that would be plausible."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -31,17 +29,13 @@ def exchanged(*quantities: str) -> Callable[[Columns], Columns]:
     return lambda c: {name: c[names.get(name, name)] for name in c}
 
 
-def inverse(c: Columns) -> Columns:
-    return {**c, "i_geo": 1.0 / c["i_geo"]}
-
-
 FAULTS: Mapping[str, tuple[Callable[[Columns], Columns], tuple[tuple[str, ...], ...], tuple[str, ...]]] = {
     "rad/s under rpm": (scaled(RPM, "n_P", "n_S"), (FULL, WITHOUT_OUTPUT, WITHOUT_RATIO, LEAST), ("n_P [rpm]=primary.speed [rad/s]",)),
     "one speed in rad/s": (scaled(RPM, "n_P"), (FULL, WITHOUT_RATIO, LEAST), ("n_P [rpm]=primary.speed [rad/s]",)),
     "1/s under rpm": (scaled(1 / 60, "n_P", "n_S"), (FULL, LEAST), ("n_P [rpm]=primary.speed [Hz]", "n_S [rpm]=secondary.speed [Hz]")),
     "sign of the torque": (scaled(-1.0, "T_P"), (FULL, WITHOUT_OUTPUT, WITHOUT_RATIO, LEAST), ("T_P [Nm]=-primary.torque [Nm]",)),
     "sign of the slip": (scaled(-1.0, "slip"), (WITHOUT_OUTPUT,), ("slip [%]=-slip [%]",)),
-    "ratio": (inverse, (FULL, WITHOUT_OUTPUT), ("i_geo [-]=1/ratio.geometric",)),
+    "ratio": (lambda c: {**c, "i_geo": 1.0 / c["i_geo"]}, (FULL, WITHOUT_OUTPUT), ("i_geo [-]=1/ratio.geometric",)),
     "speeds of P and S": (exchanged("n"), (FULL, WITHOUT_RATIO, LEAST), ("n_P [rpm]=secondary.speed [rpm]", "n_S [rpm]=primary.speed [rpm]")),
     "torques of P and S": (exchanged("T"), (FULL, WITHOUT_RATIO), ("T_P [Nm]=secondary.torque [Nm]",)),
     "forces of P and S": (exchanged("F"), (FULL, WITHOUT_OUTPUT, LEAST), ("F_P [kN]=secondary.clampingForce [kN]",)),

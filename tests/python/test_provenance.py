@@ -1,7 +1,5 @@
 """The origin that every report names: command, date, and hashes of what was read."""
 
-from __future__ import annotations
-
 import hashlib
 import importlib
 from pathlib import Path

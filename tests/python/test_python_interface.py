@@ -1,7 +1,5 @@
 """What a user of the package sees: completion, short descriptions, tables, similar names, the command line without the extras, the pages."""
 
-from __future__ import annotations
-
 import ast
 import json
 import re
@@ -17,11 +15,10 @@ from conftest import ROOT
 from test_wheel import declared  # noqa: F401
 
 import pushbelt
-from pushbelt import cli, console
+from pushbelt import Variator, cli, console
 from pushbelt.drive import __main__ as drive
 from pushbelt.drive import runs
 from pushbelt.fmu.results import Trace
-from pushbelt.variator import Variator
 
 WITHOUT = """
 import sys
@@ -38,8 +35,7 @@ for line in sys.argv[1:]:
     except SystemExit as end:
         code = end.code
     print("ends with", code)
-"""
-"""A step, and command lines, in an environment in which packages are not installed."""
+"""  # A step, and command lines, in an environment in which packages are not installed
 
 
 def test_the_package_completes_to_what_is_public() -> None:
@@ -84,14 +80,11 @@ def test_a_table_of_inputs_gives_a_table_of_outputs(belt: Variator) -> None:
 @pytest.mark.parametrize(
     ("table", "why"),
     [
-        (pd.DataFrame({"primary.torqe": [1.0, 2.0]}), "primary.torqe"),
-        (pd.DataFrame({"primary.torque": [1.0, 2.0]}, index=[1.0, 0.5]), "ascend"),
-        (pd.DataFrame({"primary.torque": [1.0]}), "1 rows"),
-        (pd.DataFrame({"primary.torque": ["1 Nm", "2"]}), "1 Nm"),
-        (pd.DataFrame({"primary.torque": [1.0, np.nan]}), "primary.torque"),
-        ({"primary.torque": [1.0, 2.0]}, "dict"),
+        (pd.DataFrame({"primary.torqe": [1.0, 2.0]}), "primary.torqe"), (pd.DataFrame({"primary.torque": [1.0, 2.0]}, index=[1.0, 0.5]), "ascend"),
+        (pd.DataFrame({"primary.torque": [1.0]}), "1 rows"), (pd.DataFrame({"primary.torque": ["1 Nm", "2"]}), "1 Nm"),
+        (pd.DataFrame({"primary.torque": [1.0, np.nan]}), "primary.torque"), ({"primary.torque": [1.0, 2.0]}, "dict"),
     ],
-)
+)  # fmt: skip
 def test_a_table_that_is_not_usable_changes_nothing(belt: Variator, table: pd.DataFrame, why: str) -> None:
     with pytest.raises(ValueError, match=why):
         belt.simulate(table)
@@ -142,9 +135,7 @@ def test_steps_and_help_need_no_extra_and_a_program_names_its_own(declared: dict
     assert shown == programs and codes == ["0"] * len(programs) + ["1"] and "Traceback" not in run.stderr
 
 
-def test_only_an_error_of_the_package_has_no_traceback(
-    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_only_an_error_of_the_package_has_no_traceback(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     old = tmp_path / "old.json"
     old.write_text(json.dumps({"parameters": {"belt.contactStrain": {"value": 1.0}}}), encoding="utf-8")
     assert cli.main(["demo", "--variator", str(old), "--fmu", str(fmu), "--output", str(tmp_path)]) == 1
@@ -154,9 +145,7 @@ def test_only_an_error_of_the_package_has_no_traceback(
         cli.main(["demo", "--fmu", str(fmu)])
 
 
-def test_without_the_wltc_the_nedc_is_driven(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], fmu: Path, tmp_path: Path
-) -> None:
+def test_without_the_wltc_the_nedc_is_driven(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], fmu: Path, tmp_path: Path) -> None:
     plans = []
     monkeypatch.setattr("pushbelt.drive.runs.run_all", lambda fmu, plan, output: plans.append(plan) or SimpleNamespace(runs=[]))
     monkeypatch.setattr("pushbelt.drive.report.write_html", lambda *_: None)

@@ -1,9 +1,8 @@
 """Files related to the FMU (FMI-LS-REF, beta): the manifest, the smoke test from the archive alone, and parameter sets as SSV files."""
 
-from __future__ import annotations
-
 import posixpath
 import re
+import shutil
 import sys
 import zipfile
 from pathlib import Path
@@ -12,16 +11,13 @@ from typing import Any
 import fmpy
 import numpy as np
 import pytest
-import shutil
 import xmlschema
 from conftest import ROOT
 from fmpy.ssp import ssd
 from lxml import etree
 
-from pushbelt import cli
+from pushbelt import StartValueError, cli, parameter_set
 from pushbelt.fmu import start_values
-from pushbelt.fmu.data import parameter_set
-from pushbelt.fmu.start_values import StartValueError, checked, write_copy
 from pushbelt.fmu.unit import Archive, Instance
 
 sys.path.insert(0, str(ROOT / "fmu-build" / "python"))
@@ -32,8 +28,8 @@ FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 ROLES = re.compile(
     "document|requirement|specification|model|parameter|system|testcase|experiment(/(smoke-test|validation|uncertainty-analysis))?|result"
     "|method|rationale|report|request|delivery|configuration|signature|serialized-state(/.*)?|meta-data|other"
-)
-"""Roles of FMI-LS-REF 1.0.0-beta.1."""
+)  # Roles of FMI-LS-REF 1.0.0-beta.1
+PARAMETERS = ROOT / "resources" / "parameters"
 
 
 @pytest.fixture(params=["fmu", "fmu3"])
@@ -77,18 +73,13 @@ def test_files_are_up_to_date(fmu: Path) -> None:
         assert all(archive.read(f"{FOLDER}/{name}") == (folder / name).read_bytes() for name in contents)
 
 
-def test_the_smoke_test_runs_from_the_archive_alone(path: Path, tmp_path: Path) -> None:
-    smoke_test(path, tmp_path)
-
-
-def test_it_also_holds_for_a_copy_with_other_start_values(fmu: Path, variables: dict[str, Any], tmp_path: Path) -> None:
-    copy = tmp_path / "copy.fmu"
-    write_copy(fmu, copy, checked(variables, {"initial.ratio": 1.7, "friction.pulley": 0.08, "ring.model": "ALE0"}))
-    smoke_test(copy, tmp_path)
-
-
-def smoke_test(path: Path, folder: Path) -> None:
-    """Runs the experiment as an importer does that has only the archive, and compares its result."""
+@pytest.mark.parametrize(("kind", "given"), [("fmu", {}), ("fmu3", {}), ("fmu", {"initial.ratio": 1.7, "friction.pulley": 0.08, "ring.model": "ALE0"})])
+def test_the_smoke_test_runs_from_the_archive_alone(kind: str, given: dict, variables: dict, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    """Runs the experiment as an importer does that has only the archive, or a copy with other start values, and compares its result."""
+    path, folder = request.getfixturevalue(kind), tmp_path / "unpacked"
+    if given:
+        start_values.write_copy(path, tmp_path / "copy.fmu", start_values.checked(variables, given))
+        path = tmp_path / "copy.fmu"
     shutil.unpack_archive(path, folder, "zip")
     (experiments,) = [folder / name for role, name in related(path) if role == "experiment/smoke-test"]
     variables = {variable.name: variable for variable in fmpy.read_model_description(str(folder)).modelVariables}
@@ -122,9 +113,6 @@ def numbered(value: str, variable: Any) -> Any:
     return value == "true" if variable.type == "Boolean" else float(value)
 
 
-PARAMETERS = ROOT / "resources" / "parameters"
-
-
 @pytest.mark.parametrize("name", ["bench168", "belt155", "chain168"])
 def test_published_sets_are_up_to_date(name: str, description: Any, variables: dict[str, Any]) -> None:
     """Written by `fmu-build/python/related_files.py`; the schema is checked by another program too."""
@@ -132,7 +120,7 @@ def test_published_sets_are_up_to_date(name: str, description: Any, variables: d
     assert path.read_bytes() == reference.published(path.with_suffix(".json"), description)
     assert xmlschema.XMLSchema(str(Path(ssd.__file__).parent / "schema" / "SystemStructureParameterValues.xsd")).is_valid(str(path))
     assert start_values.read_ssv(path, variables) == parameter_set(name)
-    assert checked(variables, {one.name: one.value for one in ssd.read_ssv(str(path)).parameters}) == start_values.read_ssv(path, variables), "by another reader"
+    assert start_values.checked(variables, {one.name: one.value for one in ssd.read_ssv(str(path)).parameters}) == parameter_set(name), "by another reader"
 
 
 def test_all_types_are_written_and_read(tmp_path: Path, description: Any, variables: dict[str, Any]) -> None:

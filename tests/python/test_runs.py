@@ -1,7 +1,5 @@
 """`pushbelt.Variator` over time: tables of inputs, recording, earlier states, variables, threads and processes."""
 
-from __future__ import annotations
-
 import math
 import multiprocessing
 import os
@@ -20,6 +18,7 @@ from pushbelt.recording import Record, Recording
 from pushbelt.variator import Snapshot, Variator
 
 TORQUE, FORCE = "primary.torque", "primary.clampingForce"
+TORQUES = (20.0, 35.0, 50.0, 65.0)
 
 
 def test_a_ramp_is_a_ramp_between_communication_points(fmu: Path) -> None:
@@ -54,8 +53,7 @@ def test_two_rows_of_the_same_time_are_a_step(fmu: Path, belt: Variator) -> None
 
 def test_a_constant_table_takes_no_more_work_than_steps(fmu: Path, belt: Variator) -> None:
     """The end of a step and the begin of the next have the same bits: otherwise each step would begin with a ramp."""
-    held = pd.DataFrame({TORQUE: [43.1, 43.1, 43.1], FORCE: [12345.6] * 3}, index=[0.0, 0.0333, 0.1])
-    belt.simulate(held)
+    belt.simulate(pd.DataFrame({TORQUE: [43.1, 43.1, 43.1], FORCE: [12345.6] * 3}, index=[0.0, 0.0333, 0.1]))
     with Variator("bench168", {**COARSE, TORQUE: 43.1, FORCE: 12345.6}, fmu=fmu) as other:
         for at in np.diff(belt.outputs["time"]):
             other.step(at)
@@ -174,11 +172,7 @@ def steps(fmu: Path, torque: float, state: Snapshot | None = None) -> tuple[list
     with Variator("bench168", COARSE, fmu=fmu) as variator:
         if state is not None:
             variator.restore(state)
-        run = [variator.step(2e-3, {TORQUE: torque})["slip"] for _ in range(5)]
-        return run, variator.steady(1.2, torque)["thrustRatio"]
-
-
-TORQUES = (20.0, 35.0, 50.0, 65.0)
+        return [variator.step(2e-3, {TORQUE: torque})["slip"] for _ in range(5)], variator.steady(1.2, torque)["thrustRatio"]
 
 
 def test_threads_have_variators_of_their_own(fmu: Path) -> None:

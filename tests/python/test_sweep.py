@@ -1,7 +1,5 @@
 """Parameter studies: their parts as pure functions, then the FMU on clusters in which workers and clients are killed."""
 
-from __future__ import annotations
-
 import dataclasses
 import gzip
 import json
@@ -15,8 +13,8 @@ import dask
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from conftest import MESH
 import reports
+from conftest import MESH
 from distributed import LocalCluster
 
 from pushbelt.fmu.unit import Archive, Instance
@@ -34,7 +32,6 @@ GRID = Grid(friction=(0.07, 0.09), speed=(200.0,), ratio=(0.8, 1.0, 1.25), utili
 
 
 def at(ratio: float, utilisation: float, friction: float, speed: float, force: float) -> dict[str, float]:
-    """A point."""
     values = {"ratio": ratio, "utilisation": utilisation, "friction": friction, "speed": speed, "force": force}
     return {axis.column: values[name] for name, axis in AXES.items()}
 
@@ -71,8 +68,7 @@ def test_identity_is_that_of_the_results(study: Study, tmp_path: Path) -> None:
 def test_chunks_are_what_is_missing(study: Study, size: int | None) -> None:
     finished = {0, 7, 23}
     found = chunks(study, finished, size or 8)
-    indices = [index for chunk in found for index, _ in chunk]
-    assert sorted(indices) == sorted(set(range(24)) - finished)
+    assert sorted(index for chunk in found for index, _ in chunk) == sorted(set(range(24)) - finished)
     assert max(map(len, found)) <= (size or 24)
     assert chunks(study, set(range(24)), 8) == []
     index, values = found[0][0]
@@ -118,8 +114,7 @@ def test_store_keeps_whole_files_only(study: Study, tmp_path: Path, monkeypatch:
     store.add(some(rows, range(3, 9)))
     assert store.rows() == some(rows, range(9))
     assert table(study, store.rows()).equals(table(study, some(rows, range(9))))
-    other = Store(tmp_path, dataclasses.replace(study, grid=dataclasses.replace(GRID, force=(1e4,))))
-    assert not other.rows()
+    assert not Store(tmp_path, dataclasses.replace(study, grid=dataclasses.replace(GRID, force=(1e4,)))).rows()
     with monkeypatch.context() as patch:
         patch.setattr(Path, "read_bytes", lambda _: os.close(-1))
         with pytest.raises(OSError, match="descriptor"):
@@ -154,15 +149,11 @@ def test_results_say_what_they_are(study: Study, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("values", "statement"),
     [
-        ({}, None),
-        ({"thrustRatio": 2.5}, "Thrust ratio falls"),
-        ({"slip": 0.05}, "Slip grows"),
-        ({"efficiency": 0.9}, "Efficiency has one peak"),
-        ({"loss.total": 500.0}, "Losses of the belt sum"),
-        ({"drift": 0.01}, "Steady states are stationary"),
+        ({}, None), ({"thrustRatio": 2.5}, "Thrust ratio falls"), ({"slip": 0.05}, "Slip grows"), ({"efficiency": 0.9}, "Efficiency has one peak"),
+        ({"loss.total": 500.0}, "Losses of the belt sum"), ({"drift": 0.01}, "Steady states are stationary"),
         ({"reason": "none found"}, "If a utilisation has a steady state"),
     ],
-)
+)  # fmt: skip
 def test_checks_find_a_spot(study: Study, values: dict, statement: str | None) -> None:
     """Ratio 1.25, utilisation 0.5, μ 0.09, or without a value the point below it; and nothing where all is right."""
     index = GRID.points().index(at(1.25, 0.5, 0.09, 200.0, 12e3))
@@ -177,8 +168,7 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str | None) -
 
 def test_maps_have_a_panel_for_each_friction_and_speed(study: Study) -> None:
     several = dataclasses.replace(study, grid=dataclasses.replace(GRID, speed=rpm(1000, 2000)))
-    sheets = maps.sheets(maps.data_set(several.grid, table(several, made_up(several))))
-    for figure in sheets.values():
+    for figure in maps.sheets(maps.data_set(several.grid, table(several, made_up(several)))).values():
         titles = [axes.get_title(loc="left") for axes in figure.axes]
         assert titles[:4] == [f"μ = {m:g}, {n} rpm" for m in (0.07, 0.09) for n in (1000, 2000)]
         maps.plt.close(figure)
@@ -229,8 +219,7 @@ def test_states_make_sense_and_the_report_shows_maps_cuts_and_what_failed(study:
 def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
     solver, values = Solver(archive, {}, solve), [study.start_values(point) for point in study.grid.points()]
     refused = {**values[1], "belt.play": -1.0}
-    unknown = {**values[1], "belt.colour": 1.0}
-    found = solver.solve([(0, values[0]), (1, refused), (100, unknown), (2, values[2])])
+    found = solver.solve([(0, values[0]), (1, refused), (100, {**values[1], "belt.colour": 1.0}), (2, values[2])])
     solver.close()
     assert "belt.play" in found[1][1]["reason"]
     assert "belt.colour" in found[2][1]["reason"]

@@ -1,7 +1,5 @@
 """Tables of rigs: one table in many notations gives the same points; faults are named with line and column, all at once."""
 
-from __future__ import annotations
-
 import itertools
 import random
 import re
@@ -12,19 +10,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+import reports
+from pushbelt_validation.outcome import SPELLED as SHOWN
+from pushbelt_validation.outcome import UNSCALED
 from rig_tables import COLUMNS, ROWS, RPM, TITLES, UNITS, columns, is_right, table, values, written
-from reports import by_name
 
 from pushbelt import tables
 from pushbelt.calibrate import __main__
 from pushbelt.tables import columns as known
 from pushbelt.tables import names, numerals, points, units
 from pushbelt.tables.sheet import Reading, TableError
-from pushbelt_validation.outcome import SPELLED as SHOWN
-from pushbelt_validation.outcome import UNSCALED
 
 POUND = 4.4482216152605
-
 
 SPELLED = {
     "signs": ("-", "1/min", "1/min", "Nm", "N m", "kN", "kN"),
@@ -43,6 +40,17 @@ NAMES = {
 }  # fmt: skip
 STYLES = {"brackets": "{} [{}]", "parentheses": "{} ({})", "slash": "{} / {}", "in": "{} in {}", "tight": "{}[{}]", "row": "", "bracketed row": ""}
 NUMBERS = [(".", ""), (",", ""), (".", ","), (",", "."), (".", " "), (",", "\N{NO-BREAK SPACE}"), (".", "'"), (",", "\N{NARROW NO-BREAK SPACE}")]
+MEASURED = [*TITLES[:2], TITLES[3], *TITLES[5:], "slip [%]", "efficiency [%]"]
+LONG = [[repr(float(columns()[t.split(" ")[0].replace("efficiency", "eta")][k])) for t in MEASURED] for k in range(len(ROWS))]
+"""The table with slip and efficiency in place of the secondary speed and torque."""
+MISSPELLED = ("primery.torque [Nm]", "primary.torqe [Nm]", "secondary.clampForces [kN]", "ratio.geometrc", "efficency")
+UNKNOWN = ("T_oil", "humidity [%]", "belt noise [dB]", "p_line [bar]", "u", "axle torque sensor", "primary secondary speed [rpm]")
+HEADER = "ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN]"
+ZIPPED = {"a.txt": "a zip archive", "mimetype": "an OpenDocument file", "xl/workbook.bin": "a binary workbook"}
+OTHERS = [
+    (b"\x89HDF\r\n\x1a\n\0\0", "HDF5"), (b"MATLAB 5.0 MAT-file, Platform" + bytes(100), "MATLAB"), (b"TDSm\x0e\0\0\0", "TDMS"),
+    (b'{"n_P": [1, 2]}', "JSON"), (b'\xef\xbb\xbf [\n {"n_P": 1}]', "JSON"), (b"<?xml ?><a/>", "XML"), (b"CDF\x01\0", "netCDF"),
+]
 
 
 def numeral(value: float, decimal: str, thousands: str = "") -> str:
@@ -91,24 +99,15 @@ def test_one_table_in_every_notation_gives_the_same_points(tmp_path: Path) -> No
     assert tried > 60
 
 
-MEASURED = [*TITLES[:2], TITLES[3], *TITLES[5:], "slip [%]", "efficiency [%]"]
-LONG = [[repr(float(columns()[t.split(" ")[0].replace("efficiency", "eta")][k])) for t in MEASURED] for k in range(len(ROWS))]
-"""The table with slip and efficiency in place of the secondary speed and torque."""
-
-
 def long_with(title: str, cell: str) -> str:
     return joined([[*MEASURED, title], *([*row, cell] for row in LONG)])
-
-
-def numbered(title: str) -> str:
-    return joined([[title, *MEASURED], *([str(k), *row] for k, row in enumerate(LONG))])
 
 
 HABITS = {
     "sep": "sep=;\n" + joined([TITLES, *rows_of()], ";"),
     "sep that no row has twice": "sep=|\r\n" + joined([TITLES, *rows_of(",")], "|", "\r\n"),
-    "index": numbered(""),
-    "hash": numbered("#"),
+    "index": joined([["", *MEASURED], *([str(k), *row] for k, row in enumerate(LONG))]),
+    "hash": joined([["#", *MEASURED], *([str(k), *row] for k, row in enumerate(LONG))]),
     "a temperature that is named like a torque": long_with("T_P [°C]", "81.5"),
     "date and time": joined([["Date", "Clock", *TITLES], *(["27.11.2026", "10:05:11", *row] for row in rows_of(","))], ";"),
     "a time that is a word": joined([["Datum", *TITLES], *(["Monday", *row] for row in rows_of(","))], ";"),
@@ -135,23 +134,11 @@ HABITS = {
     "rows with NaN": joined([TITLES, *rows_of(), ["1.5", *rows_of()[0][1:6], "nan"]]),
 }  # fmt: skip
 
-
-HEADS = {
-    "English": "geometric ratio;input speed [rpm];output speed [rpm];Torque In (Nm);output torque, Nm;Sec Clamp Force (kN);thrust primary [kN]",
-    "German": "geometrische Übersetzung;Drehzahl Primär [1/min];Drehzahl Sekundär [U/min];Drehmoment Primär [Nm];Drehmoment Sekundär [Nm];"
-    "Anpresskraft Sekundär [kN];Anpresskraft Primär [kN]",
-    "compounds": "i_geo;Antriebsdrehzahl in 1/min;Abtriebsdrehzahl in 1/min;Antriebsmoment in Nm;Abtriebsmoment in Nm;"
-    "Klemmkraft Sekundärscheibe in kN;Klemmkraft Primärscheibe in kN",
-    "words": "i_geo;primary pulley speed [rpm];Drehzahl der Sekundärscheibe [rpm];T_P [Nm];T_S [Nm];Sekundär-Anpresskraft [kN];"
-    "driving pulley clamping force [kN]",
-    "French": "rapport géométrique;vitesse d'entrée [tr/min];régime secondaire [tr/min];couple d'entrée [N.m];couple de sortie [N.m];"
-    "effort de serrage secondaire [kN];effort axial poulie primaire [kN]",
-    "without pulleys": "i_geo;Drehzahl [1/min];Drehzahl Abtrieb [1/min];Drehmoment [Nm];Drehmoment Abtrieb [Nm];Anpresskraft [kN];Kraft Antrieb [kN]",
-}
+HEADS = Path(__file__).with_name("rig_headers.txt").read_text(encoding="utf-8").splitlines()
 DESCRIPTIONS = ["ratio", "speed", "speed", "torque", "torque", "force", "force"]
 PULLEYS = ["geometric", "primary", "secondary", "primary", "secondary", "secondary", "primary"]
 HEADERS = {
-    **{name: [titles.split(";")] for name, titles in HEADS.items()},
+    **{name: [titles.split(";")] for name, _, titles in (line.partition(": ") for line in HEADS)},
     "description, units": [COLUMNS, DESCRIPTIONS, UNITS],
     "description above": [DESCRIPTIONS, COLUMNS, UNITS],
     "units, sensors": [COLUMNS, UNITS, ["calc", *["HBM"] * 6]],
@@ -211,10 +198,6 @@ def test_units_of_the_fmu_have_its_factors(description: Any) -> None:
         for display in definition.displayUnits:
             found = [unit.si(display.factor) for dimension in dimensions if (unit := units.find(display.name, dimension)) is not None]
             assert found == pytest.approx([1.0] * len(found), rel=1e-12) and found, display.name
-
-
-MISSPELLED = ("primery.torque [Nm]", "primary.torqe [Nm]", "secondary.clampForces [kN]", "ratio.geometrc", "efficency")
-UNKNOWN = ("T_oil", "humidity [%]", "belt noise [dB]", "p_line [bar]", "u", "axle torque sensor", "primary secondary speed [rpm]")
 
 
 def test_a_title_close_to_a_known_name_is_a_fault_and_others_are_named_and_ignored(tmp_path: Path) -> None:
@@ -316,9 +299,6 @@ def test_a_cell_without_a_number_loses_its_row(cell: str, column: int, tmp_path:
     assert (fault.line, fault.column) == (6, TITLES[column]) and cell in fault.text
 
 
-HEADER = "ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN]"
-
-
 @pytest.mark.parametrize(
     ("text", "why"),
     [
@@ -378,13 +358,6 @@ def test_a_unit_is_no_name_and_a_deviation_has_the_unit_of_its_column(tmp_path: 
     rows = [["a", "b", "c", "d"], ["-", "rpm", "rpm", "kN"], *(row[:4] for row in LONG)]
     with pytest.raises(TableError, match="unknown are a, b, c, d"):
         points.read(written(path, rows, ";"))
-
-
-ZIPPED = {"a.txt": "a zip archive", "mimetype": "an OpenDocument file", "xl/workbook.bin": "a binary workbook"}
-OTHERS = [
-    (b"\x89HDF\r\n\x1a\n\0\0", "HDF5"), (b"MATLAB 5.0 MAT-file, Platform" + bytes(100), "MATLAB"), (b"TDSm\x0e\0\0\0", "TDMS"),
-    (b'{"n_P": [1, 2]}', "JSON"), (b'\xef\xbb\xbf [\n {"n_P": 1}]', "JSON"), (b"<?xml ?><a/>", "XML"), (b"CDF\x01\0", "netCDF"),
-]
 
 
 @pytest.mark.parametrize(("content", "kind"), [*OTHERS, *ZIPPED.items()])
@@ -508,8 +481,7 @@ def test_series_of_samples_are_recorded_shifts(tmp_path: Path) -> None:
 
 def test_spreadsheets_are_read(tmp_path: Path) -> None:
     """Numbers, per cent formats, error values, formulas without values, a second sheet, text with decimal commas."""
-    openpyxl = pytest.importorskip("openpyxl")
-    book = openpyxl.Workbook()
+    book = pytest.importorskip("openpyxl").Workbook()
     book.active.append(["Rig 3", "made by hand"])
     sheet = book.create_sheet("Points")
     for row in (["made by hand"], [], [t.replace(" [%]", "") for t in MEASURED], *LONG):
@@ -602,11 +574,11 @@ def test_numbers_of_programs_have_a_unit(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
     tables.write(path, ["case", "count", "slip [1]"], [("a", 1, 0.25), ("b", 2, float("nan"))], remark="made up")
     assert path.read_text(encoding="utf-8").startswith("# made up\ncase,count,slip [1]\n")
-    assert by_name(path) == [{"case": "a", "count": "1", "slip": "0.25"}, {"case": "b", "count": "2", "slip": "nan"}]
+    assert reports.by_name(path) == [{"case": "a", "count": "1", "slip": "0.25"}, {"case": "b", "count": "2", "slip": "nan"}]
     with pytest.raises(tables.TitleError, match="slip"):
         tables.write(path, ["case", "slip"], [("a", 0.25)])
     tables.write(path, ["slip [1]"], [(1.0 / 3.0,)], digits=None)
-    assert float(by_name(path)[0]["slip"]) == 1.0 / 3.0
+    assert float(reports.by_name(path)[0]["slip"]) == 1.0 / 3.0
     for unit in {*SHOWN.values(), *UNSCALED.values()}:
         assert any(units.find(unit, dimension) == units.Unit(1.0) for dimension in units.SPELLED), unit
     package = Path(tables.__file__).parents[1]

@@ -1,7 +1,5 @@
 """Time series of rigs: their plateaus are the points."""
 
-from __future__ import annotations
-
 import datetime
 import gzip
 import re
@@ -15,10 +13,10 @@ from rig_tables import COLUMNS, POINTS, ROWS, TITLES, UNITS, is_right, values, w
 
 from pushbelt.calibrate import __main__
 from pushbelt.tables import points
-from pushbelt.tables.points import Rig
 from pushbelt.tables.sheet import Reading, TableError
 
 HEAD = ["t [s]", *TITLES]
+UNNAMED = ("t_rel", "Elapsed time", "X_Value", "Sekunden", "[s]", "master", "Messzeit [s]", "Prüfstandszeit", "K1 / s", "K1 [ms]", "Nr")
 
 
 def recorded(step: float = 0.01, length: float = 2.0, ramp: float = 0.0, noise: float = 0.005, points: int = 5) -> np.ndarray:
@@ -37,7 +35,7 @@ def shown(row: np.ndarray) -> list[str]:
     return [f"{value:.6g}" for value in row]
 
 
-def series(path: Path, rows: Iterable[Sequence[object]], head: Sequence[str] = HEAD, separator: str = ",") -> Rig:
+def series(path: Path, rows: Iterable[Sequence[object]], head: Sequence[str] = HEAD, separator: str = ",") -> points.Rig:
     return points.read(written(path / "series.csv", [head, *rows], separator))
 
 
@@ -87,9 +85,6 @@ def test_times_as_dates_and_clocks(title: str, tmp_path: Path) -> None:
     is_right(series(tmp_path, ([TIMES[title](row[0]), *shown(row[1:])] for row in recorded()), [title, *TITLES]), 5, rel=0.01)
 
 
-UNNAMED = ("t_rel", "Elapsed time", "X_Value", "Sekunden", "[s]", "master", "Messzeit [s]", "Prüfstandszeit", "K1 / s", "K1 [ms]", "Nr")
-
-
 @pytest.mark.parametrize("title", UNNAMED)
 def test_any_ascending_column_in_seconds_is_time_and_a_recording_needs_none(title: str, tmp_path: Path) -> None:
     rows = [[f"{row[0] * (1e3 if 'ms' in title else 1.0):g}", *shown(row[1:])] for row in recorded(ramp=1.0)]
@@ -123,8 +118,7 @@ def test_rows_of_a_step_are_averaged_and_different_points_are_not(tmp_path: Path
     assert len(series(tmp_path, ([k // 3, *row] for k, row in enumerate(ROWS)), ["step", *TITLES]).points) == 12
     # 300 points in any order, also with their times.
     many = np.tile(POINTS, (25, 1)) * np.repeat(np.linspace(0.9, 1.1, 25), 12)[:, None] ** [0, 1, 1, 1, 1, 1, 1]
-    shuffled = np.random.default_rng(300).permutation(many)
-    for points in (many, shuffled):
+    for points in (many, np.random.default_rng(300).permutation(many)):
         assert len(series(tmp_path, points.tolist(), TITLES).points) == 300
         assert len(series(tmp_path, ([60 * k, *row] for k, row in enumerate(points)), HEAD).points) == 300
 

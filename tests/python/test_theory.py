@@ -1,7 +1,5 @@
 """The theories beside the FMU: continuum, shift law, and spiral running by tilt and contact. Limits, symmetry, balances, published results."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -28,6 +26,7 @@ PARAMETERS = data.parameter_set("bench168")
 WRAPS = (2.617, pi, 3.666)
 RATIOS = (0.45, 0.7, 1.0, 1.5, 2.2)
 PLACES = (0.6, 1.0, 1.8)
+SHIFTING = ((-1.3, 0.3), (-0.9, 0.3), (0.4, 0.0), (-1e7, 0.0), (1e7, 0.0))  # Creep and speed of ratio change; the last two slip through
 
 
 def bench(ratio: float, traction: float, mu: float = MU) -> cmm.Variator:
@@ -53,10 +52,6 @@ def test_groove_of_sattler() -> None:
         half_width = radius * tan(BETA)
         deeper = radius - (half_width - radius * opening) / tan(BETA + opening)
         assert deeper / radius == pytest.approx(cmm.deformation_factor(BETA) * delta * cos(phase), rel=1e-4, abs=1e-12)
-
-
-SHIFTING = ((-1.3, 0.3), (-0.9, 0.3), (0.4, 0.0), (-1e7, 0.0), (1e7, 0.0))
-"""Creep and speed of ratio change; the last two slip through."""
 
 
 @pytest.mark.parametrize(
@@ -192,8 +187,7 @@ def test_a_run_begins_with_the_law_and_ends_in_equilibrium(law: ShiftLaw) -> Non
 def loaded(archive: Archive) -> BeltState:
     """A steady state of the FMU at ratio 1."""
     with Bench(archive) as bench:
-        outputs = bench.steady(driven_by_torque(PARAMETERS, 1.0, 200.0, 60.0, 12e3))
-        return BeltState(outputs, bench.states.unit.profile())
+        return BeltState(bench.steady(driven_by_torque(PARAMETERS, 1.0, 200.0, 60.0, 12e3)), bench.states.unit.profile())
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """The choice between the library for all processors and its variant for AVX2, with the FMU of `crates/fmi/examples/lag.rs`."""
 
-from __future__ import annotations
-
 import os
 import platform
 import shutil
@@ -23,6 +21,9 @@ elif " avx2 " not in CPU.read_text(encoding="ascii"):
     pytestmark = pytest.mark.skip(reason="the processor has no AVX2")
 else:
     pytestmark = pytest.mark.slow
+AFTER_STEP = 0.048770575499286
+FAST = "the library for processors with AVX2 runs"
+SLOW = "the slower library for all processors runs: "
 
 
 class Library:
@@ -68,9 +69,6 @@ def start(unit: fmi2.FMU2Slave) -> None:
     unit.exitInitializationMode()
 
 
-AFTER_STEP = 0.048770575499286
-
-
 def is_loaded(path: Path) -> bool:
     return str(path) in Path("/proc/self/maps").read_text()
 
@@ -112,10 +110,6 @@ def folder(pair: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPa
         return path
 
     return make
-
-
-FAST = "the library for processors with AVX2 runs"
-SLOW = "the slower library for all processors runs: "
 
 
 def test_the_variant_is_open_from_the_first_instance_to_the_last(folder) -> None:
@@ -176,6 +170,13 @@ def test_the_library_runs_by_itself(folder, pair, monkeypatch: pytest.MonkeyPatc
     assert not is_loaded(path)
 
 
+def log_of(folder: Path, given: Path | str, use: str, **variables: str) -> str:
+    """What a library logs that a process of its own loads in a folder by this path."""
+    code = f"import os, sys, test_variant\nlibrary = test_variant.Library(sys.argv[1])\n{use}\nprint(*library.log)"
+    known = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]), **variables}
+    return subprocess.run([sys.executable, "-c", code, given], cwd=folder, env=known, check=True, capture_output=True, text=True).stdout
+
+
 def test_only_the_folder_of_the_library_itself_counts(folder, tmp_path: Path) -> None:
     """Neither that of a link to it, nor the working directory if the host has a relative path and has changed it."""
     path, planted = folder(with_variant=False), folder("planted")
@@ -183,17 +184,12 @@ def test_only_the_folder_of_the_library_itself_counts(folder, tmp_path: Path) ->
     link = tmp_path / "links" / "Lag.so"
     link.symlink_to(path)
     shutil.copy(variant(planted), variant(link))
-    code = """if True:
-        import os, sys, test_variant
-        library = test_variant.Library(sys.argv[1])
-        unit = library.load(library.guid)
-        os.chdir(sys.argv[2])
-        unit.instantiate(callbacks=library.callbacks, loggingOn=True)
-        print(*library.log)"""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")])}
+    use = f"""
+unit = library.load(library.guid)
+os.chdir({str(planted.parent)!r})
+unit.instantiate(callbacks=library.callbacks, loggingOn=True)"""
     for given in (str(link), "./Lag.so"):
-        command = [sys.executable, "-c", code, given, str(planted.parent)]
-        log = subprocess.run(command, cwd=path.parent, env=environment, check=True, capture_output=True, text=True).stdout
+        log = log_of(path.parent, given, use)
         assert log.startswith(SLOW) and f"{variant(path)}: there is no such file" in log, given
     shutil.copy(variant(planted), variant(path))
     library = Library(link)
@@ -201,45 +197,13 @@ def test_only_the_folder_of_the_library_itself_counts(folder, tmp_path: Path) ->
     assert library.log == [FAST]
 
 
-NO_PROC = """
-#define _GNU_SOURCE
-#include <dlfcn.h>
-#include <errno.h>
-#include <stdarg.h>
-#include <string.h>
-#include <sys/types.h>
-
-/* As where there is no /proc. */
-int open64(const char *path, int flags, ...) {
-    va_list more;
-    va_start(more, flags);
-    mode_t mode = va_arg(more, mode_t);
-    va_end(more);
-    if (strcmp(path, "/proc/self/maps") == 0) {
-        errno = ENOENT;
-        return -1;
-    }
-    return ((int (*)(const char *, int, ...))dlsym(RTLD_NEXT, "open64"))(path, flags, mode);
-}
-"""
-
-
 @pytest.mark.skipif(shutil.which("cc") is None, reason="the test needs a C compiler")
 def test_the_variant_is_found_without_proc(folder, tmp_path: Path) -> None:
     """By the path that the host gave, if that is absolute."""
     path, shim = folder(), tmp_path / "shim.so"
-    subprocess.run(["cc", "-shared", "-fPIC", "-o", shim, "-x", "c", "-", "-ldl"], input=NO_PROC, text=True, check=True)
-    code = """if True:
-        import sys, test_variant
-        library = test_variant.Library(sys.argv[1])
-        library.create().freeInstance()
-        print(*library.log)"""
-    more = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(more), "LD_PRELOAD": str(shim)}
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", shim, Path(__file__).with_name("no_proc.c"), "-ldl"], check=True)
     for given, message in ((path, FAST), ("./Lag.so", f"{SLOW}the path of this library is unknown")):
-        command = [sys.executable, "-c", code, given]
-        log = subprocess.run(command, cwd=path.parent, env=environment, check=True, capture_output=True, text=True).stdout
-        assert log.strip() == message
+        assert log_of(path.parent, given, "library.create().freeInstance()", LD_PRELOAD=str(shim)).strip() == message
 
 
 def test_without_a_free_descriptor_the_library_runs_by_itself(folder) -> None:

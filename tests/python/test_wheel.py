@@ -1,7 +1,5 @@
 """The wheel: its content, and its installation, use and removal in an environment without Rust."""
 
-from __future__ import annotations
-
 import ast
 import os
 import re
@@ -21,12 +19,10 @@ EXTRA_OF = {
     **dict.fromkeys(("belt", "compare", "demo", "drive", "linearize"), "reports"),
     "calibrate": "tables", "durability": "durability", "maps": "sweep", "sweep": "sweep",
 }  # fmt: skip
-OPTIONAL = {"dask_jobqueue": ("dask-jobqueue", "slurm")}
-"""Modules that an option of a program imports: their packages, and the extras that install them."""
+OPTIONAL = {"dask_jobqueue": ("dask-jobqueue", "slurm")}  # Modules that an option of a program imports: their packages, and the extras that install them
 BY_HAND = {"wltp", "pythonfmu", "ecospy", "libcosimpy", "tbb"}
 """Packages that the book describes separately: the WLTC's table, and the co-simulation of the source tree."""
-ON_DEMAND = {"pandas"}
-"""Packages that `to_dataframe` imports when it is called. Without them its error names the extra."""
+ON_DEMAND = {"pandas"}  # Packages that `to_dataframe` imports when it is called. Without them its error names the extra.
 
 
 @pytest.fixture(scope="module")
@@ -134,13 +130,15 @@ def pip(folder: Path, *arguments: str) -> None:
     subprocess.run([*pip_of(tool(folder, "python")), *arguments, *more], env=clean, check=True, capture_output=True, text=True)
 
 
-def run(folder: Path, name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Runs a program of the environment with an empty search path and a separate home."""
+def run(folder: Path, name: str, *arguments: str, code: int = 0) -> subprocess.CompletedProcess[str]:
+    """Runs a program of the environment with an empty search path and a separate home; it ends with this code."""
     home = folder / "home"
     home.mkdir(exist_ok=True)
     clean = {name: os.environ[name] for name in ("SYSTEMROOT", "TEMP") if name in os.environ}
     clean |= {"PATH": "", "HOME": str(home), "LOCALAPPDATA": str(home)}
-    return subprocess.run([tool(folder, name), *arguments], cwd=folder, env=clean, capture_output=True, text=True)
+    done = subprocess.run([tool(folder, name), *arguments], cwd=folder, env=clean, capture_output=True, text=True)
+    assert done.returncode == code, done.stderr
+    return done
 
 
 def test_a_plain_installation_steps_the_variator_and_writes_an_fmu(place: Path) -> None:
@@ -153,42 +151,34 @@ with pushbelt.Variator("bench168", {"initial.ratio": 1.5}) as variator:
     variator.linear_grid([1.5], [40.0]).save("plain.npz")
 print(pathlib.Path(pushbelt.__file__).parts[-2], variator.outputs["ratio.geometric"][0], state["ratio.geometric"], len(model.poles))
 """
-    done = run(place, "python", "-c", code)
-    assert done.returncode == 0, done.stderr
-    folder, first, last, poles = done.stdout.split()
+    folder, first, last, poles = run(place, "python", "-c", code).stdout.split()
     assert folder == "pushbelt" and int(poles) >= 2 and (place / "plain.npz").is_file()
     assert float(last) > float(first) == pytest.approx(1.5, abs=1e-6)
-    done = run(place, "pushbelt", "fmu", "own.fmu", "--variator", "belt155", "--set", "ring.model=ALE0")
-    assert done.returncode == 0, done.stderr
-    done = run(place, "pushbelt", "map-fmu", "map.fmu", "--set", "initial.ratio=1.5")
-    assert done.returncode == 0, done.stderr
-    with zipfile.ZipFile(place / "own.fmu") as archive:
-        text = archive.read("modelDescription.xml").decode()
+    run(place, "pushbelt", "fmu", "own.fmu", "--variator", "belt155", "--set", "ring.model=ALE0")
+    run(place, "pushbelt", "map-fmu", "map.fmu", "--set", "initial.ratio=1.5")
+    text = zipfile.Path(place / "own.fmu", "modelDescription.xml").read_text(encoding="utf-8")
     assert re.search(r'name="geometry.centerDistance".*?<Real[^>]*start="0.155"', text, re.DOTALL)
 
 
 def test_what_is_missing_is_named_and_then_the_demo_runs(place: Path, wheel: Path) -> None:
-    done = run(place, "pushbelt", "demo", "--short")
-    assert done.returncode == 1
+    done = run(place, "pushbelt", "demo", "--short", code=1)
     assert re.fullmatch(r"pushbelt demo: the package \w+ is missing: pip install 'pushbelt\[reports\]'\n", done.stderr)
     pip(place, "install", f"{wheel}[reports]")
     for words in (["demo", "--short"], ["linearize", "initial.ratio=1,2", "ring.model=ALE0"]):
-        done = run(place, "pushbelt", *words)
-        assert done.returncode == 0, done.stderr
+        run(place, "pushbelt", *words)
     assert (place / "pushbelt-demo" / "report.html").is_file()
     assert {path.suffix for path in (place / "pushbelt-linearize").iterdir()} == {".npz", ".mat", ".json", ".html"}
 
 
 def test_nothing_is_left_after_its_removal(place: Path) -> None:
     def left(folder: Path) -> list[Path]:
-        written = {"pushbelt-demo", "pushbelt-linearize"}
-        return [path for path in folder.rglob("*pushbelt*") if not written & set(path.parts)]
+        return [path for path in folder.rglob("*pushbelt*") if not {"pushbelt-demo", "pushbelt-linearize"} & set(path.parts)]
 
     run(place, "pushbelt", "fmu", "own.fmu")
     assert left(place / "home") and left(place / "venv")
     assert run(place, "pushbelt", "cache").stdout.startswith(str(place / "home"))
     for _ in range(2):
-        assert run(place, "pushbelt", "cache", "--clear").returncode == 0
+        run(place, "pushbelt", "cache", "--clear")
         assert not left(place / "home")
     pip(place, "uninstall", "--yes", "pushbelt")
     assert not left(place / "venv")

@@ -1,10 +1,7 @@
 """`pushbelt.Variator` and the command `pushbelt`, in the source tree."""
 
-from __future__ import annotations
-
 import math
 import re
-import warnings
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -48,8 +45,7 @@ def test_a_wrong_value_is_named_with_the_reason(variables: dict[str, Any], name:
 
 
 def test_a_run_is_that_of_the_fmu_call_by_call(belt: variator.Variator, archive: unit.Archive) -> None:
-    values = {**data.parameter_set("bench168"), **COARSE, "ring.model": RingModel.ALE0}
-    with unit.Instance(archive, values) as other:
+    with unit.Instance(archive, {**data.parameter_set("bench168"), **COARSE, "ring.model": RingModel.ALE0}) as other:
         other.initialise()
         for k in range(20):
             inputs = {"primary.torque": 50.0 + k, "primary.clampingForce": 12e3}
@@ -87,12 +83,12 @@ def test_outputs_are_arrays_over_all_steps(belt: variator.Variator) -> None:
         belt.step(1e-3)
 
 
+@pytest.mark.filterwarnings("error")
 def test_another_start_than_requested_gives_a_warning(fmu: Path) -> None:
     over = {**COARSE, "primary.torque": 400.0, "secondary.torque": -400.0}
     with variator.Variator("bench168", over, fmu=fmu) as belt, pytest.warns(pushbelt.VariatorWarning, match="beyond the capacity"):
         belt.start()
-    with warnings.catch_warnings(), variator.Variator("bench168", COARSE, fmu=fmu) as belt:
-        warnings.simplefilter("error")
+    with variator.Variator("bench168", COARSE, fmu=fmu) as belt:
         belt.start()
 
 

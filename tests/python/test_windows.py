@@ -1,10 +1,6 @@
 """The libraries of the portable FMU: requirements and content, then the win64 ones in wine: every call, and stored states from and to Linux,
-with AVX2 and without; each belt through the manoeuvre.
-
-`cargo fmu test --windows` runs it. The program that loads the libraries is `tests/windows/host.c`, compiled by zig for both systems.
-"""
-
-from __future__ import annotations
+with AVX2 and without; each belt through the manoeuvre. `cargo fmu test --windows` runs it. The program that loads the libraries is
+`tests/windows/host.c`, compiled by zig for both systems."""
 
 import os
 import re
@@ -23,14 +19,12 @@ from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
 from pushbelt.fmu.enumerations import BeltKind, RingModel
 
 SOURCE = ROOT / "tests" / "windows" / "host.c"
-GLIBC = (2, 17)
-"""Oldest C library that the Linux libraries load with."""
+GLIBC = (2, 17)  # Oldest C library that the Linux libraries load with
 WINDOWS = re.compile(r"(kernel32|ntdll|userenv|ws2_32|advapi32|bcrypt|msvcrt|ucrtbase|api-ms-win-[a-z0-9-]+)\.dll")
 """Libraries that come with Windows. Wine 8 lacks bcryptprimitives, which the linker removes with unused parts of Rust's standard library."""
 OF_WINDOWS = "binaries/win64/PushbeltVariator.dll"
 OF_LINUX = "binaries/linux64/PushbeltVariator.so"
-ASKED = "PUSHBELT_ZIG" in os.environ
-"""Set by `cargo fmu test --windows`: a Python with the package ziglang, and the library of this machine."""
+ASKED = "PUSHBELT_ZIG" in os.environ  # Set by `cargo fmu test --windows`: a Python with the package ziglang, and the library of this machine
 
 BUILDS = {
     "windows": (OF_WINDOWS, False), "linux, AVX2": (OF_LINUX, True), "windows, AVX2": (OF_WINDOWS, True), "linux": (OF_LINUX, False),
@@ -39,11 +33,14 @@ BUILDS = {
 """Libraries, and whether they may open their variant for AVX2. Each differs in system or in the width of its packs from the one before, and the
 first one from the last."""
 NAMES = tuple(BUILDS)
-Host = Callable[..., np.ndarray]
-"""Runs the program: build, name of the readings' file, files between references and readings → a row of readings a stop."""
-BELTS = {
-    "ALE": {"ring.model": RingModel.ALE}, "ALE0": {"ring.model": RingModel.ALE0}, "pull chain": {"belt.kind": BeltKind.PULL_CHAIN},
-}  # fmt: skip
+Host = Callable[..., np.ndarray]  # Runs the program: build, name of the readings' file, files between references and readings → a row of readings a stop
+BELTS = {"ALE": {"ring.model": RingModel.ALE}, "ALE0": {"ring.model": RingModel.ALE0}, "pull chain": {"belt.kind": BeltKind.PULL_CHAIN}}
+SAME = 1e-10  # Systems have different implementations of the sine; the portable builds agree in everything else. The effect is 2e-11.
+ROUNDING = 1e-9  # Effect of a change of rounding in one build: one in the last bit of a clamping force or a torque grows to 1e-10 at most
+OTHER_LANES = 1e-6
+"""Effect of the width of the packs. Which cells keep their derivatives depends on it, so Newton's method ends elsewhere within its own
+tolerance, and a step whose error is near the bound of the error control may be accepted by one build alone. So the effect is no rounding,
+and falls with that tolerance (`TOLERANCE` in host.c): 1e-3 at 1e-5, 2e-6 at 1e-6, 6e-8 at 1e-7, all of the radial deviation, in µm."""
 
 
 def wine() -> str | None:
@@ -130,16 +127,6 @@ def sizes(description) -> np.ndarray:
     return np.array([float(variable.nominal) for variable in readings_of(description)])
 
 
-SAME = 1e-10
-"""Systems have different implementations of the sine; the portable builds agree in everything else. The effect is 2e-11."""
-ROUNDING = 1e-9
-"""Effect of a change of rounding in one build: one in the last bit of a clamping force or a torque grows to 1e-10 at most."""
-OTHER_LANES = 1e-6
-"""Effect of the width of the packs. Which cells keep their derivatives depends on it, so Newton's method ends elsewhere within its own
-tolerance, and a step whose error is near the bound of the error control may be accepted by one build alone. So the effect is no rounding,
-and falls with that tolerance (`TOLERANCE` in host.c): 1e-3 at 1e-5, 2e-6 at 1e-6, 6e-8 at 1e-7, all of the radial deviation, in µm."""
-
-
 def lanes(build: str) -> bool:
     """Whether a build has packs of four cells."""
     return build.endswith("AVX2") or build == "this machine"
@@ -163,9 +150,7 @@ def test_the_variant_for_avx2_runs_where_it_may(first, system: str) -> None:
 
 
 @pytest.mark.parametrize(("writer", "reader"), [(NAMES[other], one) for k, one in enumerate(NAMES) for other in (k, k - 1)])
-def test_each_build_continues_from_its_own_state_and_from_that_of_another(
-    host: Host, place: Path, first, sizes: np.ndarray, writer: str, reader: str
-) -> None:
+def test_each_build_continues_from_its_own_state_and_from_that_of_another(host: Host, place: Path, first, sizes: np.ndarray, writer: str, reader: str) -> None:
     again = place / "again.state"
     found = host(reader, f"{reader} after {writer}", first[writer][1], again)
     expected = first[reader][0]
