@@ -4,7 +4,7 @@
 //! `cargo run --release --example film`
 //!
 //! Values in the order of the table's columns give one row of it, `ALE0` behind them uses that
-//! ring: `cargo run --release --example film -- 19 1.5e-6 1e-7 9 300`
+//! ring: `cargo run --release --example film -- 19 6e-6 1e-7 2.7 150`
 
 use std::error::Error;
 
@@ -13,17 +13,17 @@ use pushbelt_support::film::{self, Load, RATIOS, SHARES, film_variator};
 
 /// Suction, thickness, roughness and the two dampings of the rows: the default, and changes of it.
 const TRIED: [[f64; 5]; 11] = [
-    [19.0, 1.5e-6, 1e-7, 9.0, 750.0],
-    [10.0, 1.5e-6, 1e-7, 9.0, 750.0],
-    [40.0, 1.5e-6, 1e-7, 9.0, 750.0],
-    [19.0, 0.75e-6, 1e-7, 9.0, 750.0],
-    [19.0, 3e-6, 1e-7, 9.0, 750.0],
-    [19.0, 1.5e-6, 5e-8, 9.0, 750.0],
-    [19.0, 1.5e-6, 2e-7, 9.0, 750.0],
-    [19.0, 1.5e-6, 1e-7, 4.5, 750.0],
-    [19.0, 1.5e-6, 1e-7, 18.0, 750.0],
-    [19.0, 1.5e-6, 1e-7, 9.0, 375.0],
-    [19.0, 1.5e-6, 1e-7, 9.0, 1500.0],
+    [19.0, 6e-6, 1e-7, 2.7, 75.0],
+    [10.0, 6e-6, 1e-7, 2.7, 75.0],
+    [40.0, 6e-6, 1e-7, 2.7, 75.0],
+    [19.0, 3e-6, 1e-7, 2.7, 75.0],
+    [19.0, 12e-6, 1e-7, 2.7, 75.0],
+    [19.0, 6e-6, 5e-8, 2.7, 75.0],
+    [19.0, 6e-6, 2e-7, 2.7, 75.0],
+    [19.0, 6e-6, 1e-7, 1.35, 75.0],
+    [19.0, 6e-6, 1e-7, 5.4, 75.0],
+    [19.0, 6e-6, 1e-7, 2.7, 37.5],
+    [19.0, 6e-6, 1e-7, 2.7, 150.0],
 ];
 
 fn heading() {
