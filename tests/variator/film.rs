@@ -29,8 +29,7 @@ fn the_idle_arc_shrinks_as_the_torque_rises() {
     assert!(found.is_sorted_by(|a, b| a >= b), "{found:?}");
 }
 
-/// 0.2 mm more play adds 0.4 to 0.5 points of slip (Kobayashi et al., SAE 980822); in the model
-/// 0.23, with `ALE0` 0.2 at least.
+/// 0.2 mm more play adds 0.4 to 0.5 points of slip (Kobayashi et al., SAE 980822); here 0.23.
 #[test]
 fn slip_grows_with_the_play() {
     for (model, least) in [(RingModel::Ale, 0.0022), (RingModel::Ale0, 0.002)] {

@@ -54,12 +54,12 @@ fn whole_manoeuvre(model: RingModel, ratios: [f64; 2], work: [u64; 3]) {
 
 #[test]
 fn energy_balance_of_the_whole_manoeuvre_ale0() {
-    whole_manoeuvre(RingModel::Ale0, [0.371, 2.349], [10_131, 27_843, 435]);
+    whole_manoeuvre(RingModel::Ale0, [0.371, 2.349], [10_068, 27_291, 371]);
 }
 
 #[test]
 fn energy_balance_of_the_whole_manoeuvre_ale() {
-    whole_manoeuvre(RingModel::Ale, [0.371, 2.323], [10_251, 39_683, 1335]);
+    whole_manoeuvre(RingModel::Ale, [0.371, 2.323], [10_092, 35_904, 901]);
 }
 
 /// Macro-slip of a belt at 40 to 70 m/s, in communication steps of 1 ms and of 50 µs: an unstable
@@ -379,8 +379,7 @@ fn each_way_back_gives_every_reading() {
     }
 }
 
-/// What follows a step that can't be done does not depend on it, nor on friction that was to change
-/// in it.
+/// What follows a step that can't be done does not depend on it, nor on friction set in it.
 #[test]
 fn a_failed_step_leaves_nothing() {
     let gentle = inputs((50.0, 13e3), (-49.0, 10e3));
@@ -404,5 +403,6 @@ fn a_failed_step_leaves_nothing() {
             run.advance(1e-3 + span, &gentle).expect("a step");
             run
         });
+        assert_eq!(one.state(), other.state(), "{tolerance}");
     }
 }
