@@ -6,6 +6,7 @@ import csv
 from pathlib import Path
 from typing import Any
 
+from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.steady import driven_at_speed
 
 from ..bench import Bench, Outputs, Plan
@@ -21,10 +22,8 @@ WITHOUT = {"friction.layers": 0.0, "belt.elementInertia": 0.0}
 RATIO_ERROR, TRIALS = 1e-4, 6
 THRUST, SLIP, ARC, LOSS = 0.02, 0.15, 0.12, 0.02
 PUSHES, PUSH_OUTPUT = "pushForceMax", "pushForce.max"
-MODELS = {"ALE": 2, "ALE0": 1}
 RADIANS = Unit("rad", 2)
 SOURCE = Source("464 push elements and a ring, each contact a contact: `cargo fmu elements`", "computed by a model without a continuum")
-Row = tuple[str, dict[str, float], Outputs]
 
 
 def run(bench: Bench, plan: Plan) -> Section:
@@ -32,7 +31,7 @@ def run(bench: Bench, plan: Plan) -> Section:
     with STORED.open(encoding="utf-8") as file:
         stored = [(str(line.pop("case")), {key: float(value) for key, value in line.items()}) for line in csv.DictReader(file)]
     stored = plan.thin(stored, 2)
-    found = {name: [(case, elements, _solve(bench, case, model)) for case, elements in stored] for name, model in MODELS.items()}
+    found = {ring.name: [(case, elements, _solve(bench, case, ring)) for case, elements in stored] for ring in reversed(RingModel)}
     rows = [[f"{name}, {case}", *_row(elements, out)] for name, of in found.items() for case, elements, out in of if out]
     columns = (
         Column("Case"), Column("Thrust ratio, elements"), Column("FMU"), share("Slip, elements", 3, signed=False), share("FMU", 3, signed=False),
@@ -50,7 +49,7 @@ def run(bench: Bench, plan: Plan) -> Section:
     )
 
 
-def _solve(bench: Bench, case: str, model: int) -> Outputs | None:
+def _solve(bench: Bench, case: str, ring: RingModel) -> Outputs | None:
     """The steady state of a case, whose ratio is that of the mean radii."""
     name, load = case.split("-")
     wanted = ratio = RATIOS[name]
@@ -58,7 +57,7 @@ def _solve(bench: Bench, case: str, model: int) -> Outputs | None:
     out = None
     for _ in range(TRIALS):
         values = driven_at_speed({**bench.parameters, **WITHOUT}, ratio, SPEED, -torque, FORCE, held=True)
-        out = bench.steady({**values, "ring.model": model}, f"single elements, {case}")
+        out = bench.steady({**values, "ring.model": ring}, f"single elements, {case}")
         excess = out["ratio.geometric"] / wanted if out else 1.0
         if abs(excess - 1.0) < RATIO_ERROR:
             break
