@@ -2,7 +2,7 @@
 //! ([`laws`](crate::variator::cell::laws)). With updated tangents S they are those of the current
 //! state.
 
-use super::evaluation::rows;
+use super::rows::rows;
 use crate::scalar::{Lanes, along};
 use crate::stack::Transport;
 use crate::variator::cell::laws::{ARGUMENTS, Arguments, FORCES, OfLaws, Tangents, argument_count};

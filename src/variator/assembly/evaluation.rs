@@ -3,6 +3,7 @@
 
 use super::derivatives::Derivatives;
 use super::pack::{Pack, Unknowns};
+use super::rows::rows;
 use crate::reference_curve::{COORDINATES, CurveCoordinates, Jet, Path, TwoPulley, TwoPulleyFrame};
 use crate::scalar::{Lanes, Real, Tangent};
 use crate::solver::Factors;
@@ -16,7 +17,7 @@ use crate::variator::cell::state::{CellPoints, CellState};
 use crate::variator::cell::variation::Linearised;
 use crate::variator::law::arguments::{CellBalance, CellInput, CellMotion, FirstUnknowns, StateComponent};
 use crate::variator::mesh::belt_mesh::STATIONS;
-use crate::variator::rings::{CellRing, MOST_ROWS, RingForces, RingInput, RingKind};
+use crate::variator::rings::{CellRing, RingInput, RingKind};
 use num_traits::Zero;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -77,38 +78,6 @@ pub(super) fn pack_balance<T: Real<Constant = Lanes>, K: RingKind<D>, const D: u
     let mut points = CellPoints::empty();
     let (b, cell) = balance(&given, &mut ring, &mut points, observe);
     (b, then(&ring, given, cell, &points))
-}
-
-/// Rows of the balance in the order of the directions, then the resultant of the contact forces.
-/// The row of the content is zero; its balance is that of the fluxes.
-#[inline(always)]
-pub(super) fn rows<T: Real, K: RingKind<D>, const D: usize>(
-    b: &CellBalance<T>,
-    ring: &RingForces<T, D>,
-) -> [T; MOST_ROWS] {
-    let degrees = K::DEGREES;
-    let mut rows = [T::zero(); MOST_ROWS];
-    for (node, rows) in ring.nodes.iter().zip(rows[..degrees.nodes].chunks_exact_mut(2 * D)) {
-        for k in 0..D {
-            [rows[2 * k], rows[2 * k + 1]] = [node.a[k], node.b[k]];
-        }
-    }
-    rows[degrees.nodes..][..2].copy_from_slice(&b.speed);
-    if degrees.tensions > 0 {
-        rows[degrees.content + 1] = ring.tension;
-    }
-    rows[degrees.drift] = ring.drift;
-    let of_curve = ring.curve.to_array();
-    rows[degrees.theta..degrees.sheave].copy_from_slice(&of_curve[..degrees.coordinates]);
-    let of_pulley = [
-        b.pulley.axial,
-        -b.pulley.tilting[0],
-        -b.pulley.tilting[1],
-        -b.pulley.torque,
-    ];
-    rows[degrees.sheave..degrees.count].copy_from_slice(&of_pulley);
-    rows[degrees.count..degrees.rows].copy_from_slice(&b.pulley.resultant);
-    rows
 }
 
 /// Directions differentiated in one pass over a pack of cells.

@@ -4,4 +4,5 @@ mod derivatives;
 mod evaluation;
 mod pack;
 pub(crate) mod packed;
+mod rows;
 pub(crate) mod transports;

@@ -1,8 +1,9 @@
 //! Cells on an Eulerian mesh: residual, Jacobian and samples, pack by pack.
 
 use super::derivatives::{Derivatives, UpdateWork};
-use super::evaluation::{Frames, Scope, differentiate, frame, pack_balance, rows};
+use super::evaluation::{Frames, Scope, differentiate, frame, pack_balance};
 use super::pack::{FluxEntries, Pack, flux_entries, packs};
+use super::rows::rows;
 use super::transports::{RELAXATION_RATE, Transports};
 use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};

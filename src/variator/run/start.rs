@@ -1,6 +1,6 @@
 //! The state that a run starts from: unloaded or steady by the parameters, else the nearest.
 
-use super::outcome::{InitialisationError, StepError};
+use super::outcome::{InitialisationError, OtherStart, StepError};
 use super::simulation::Simulation;
 use super::steady_start::NoSteadyState;
 use super::stepper::Stepper;
@@ -16,13 +16,6 @@ use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::settings::capacity::{GivenSpeed, given_speed, short};
 use crate::variator::settings::{Axial, Drive, Inputs, Mode, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
-
-/// Why a start is not the requested one, what it is instead, and what helps.
-pub(super) struct OtherStart<'a> {
-    pub why: &'a str,
-    pub instead: &'a str,
-    pub helps: &'a str,
-}
 
 impl Simulation {
     /// Finds the state to start from at `time`, with sheaves at rest; instead of the requested one

@@ -1,8 +1,8 @@
 //! The steady state that a run starts from, at the given torques or at the largest possible
 //! fraction.
 
+use super::outcome::OtherStart;
 use super::simulation::Simulation;
-use super::start::OtherStart;
 use super::tuning::{
     CLOSE_FRACTION, LEAST_FRACTION, NEXT_FRACTION, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK,
 };
