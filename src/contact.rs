@@ -25,8 +25,10 @@
 //! in the same way.
 //!
 //! The normal force acts along the gradient of g, derivatives of w included. Its power is −2 p cos
-//! β Dg/Dt, and its energy 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an
-//! element's path.
+//! β Dg/Dt, and its energy E = 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an
+//! element's path. Its elastic part along the belt is the gradient of E; the variator integrates it
+//! by parts, −∫ E' δV dξ = ∫ E δV' dξ, so what an element stores where it enters a pulley it returns
+//! where it leaves, however few stations lie there.
 
 use crate::scalar::{PositivePart, Real, soft_plus_energy_at};
 
@@ -111,6 +113,14 @@ pub struct FlankForce<T> {
     pub along_flank: T,
     /// ⟨g⟩₊, m, to which the elastic part of p is proportional.
     pub depth: T,
+}
+
+impl<T: Real> FlankForce<T> {
+    /// Elastic part of p.
+    #[inline(always)]
+    pub fn elastic(&self) -> T {
+        self.normal - self.viscous
+    }
 }
 
 /// Forces on an element whose flank has this `motion`.

@@ -143,7 +143,13 @@ fn a_standstill_starts_clamped_and_holds_the_torque() {
         kind: BeltKind::PullChain,
         ..Parameters::default()
     };
-    // On the default mesh vibrations have hardly any energy.
+    // The chain vibrates: with the default tolerance its residual is 0.3 to 1.1 times the bound over
+    // torques of 20.00 to 20.05 N·m, with a quarter of it 0.5, with a tenth 0.2.
+    let chain = |model| {
+        let mut chain = chain(model);
+        chain.solver.tolerance *= 0.25;
+        chain
+    };
     let belts = [MODELS.map(coarse), MODELS.map(variator), MODELS.map(chain)]
         .concat()
         .into_iter();

@@ -96,8 +96,16 @@ fn loss_of_the_layers_is_that_of_their_law() {
                 // closes only with them.
                 let supplied = state.external_torques().primary * SPEED;
                 assert!(o.losses.layers > 0.05 * supplied && o.losses.shafts > 0.2 * supplied);
-                let bound = if model == RingModel::Ale0 { 0.015 } else { 0.005 };
-                assert_close(o.losses.total(), supplied, bound, "lost power");
+            }
+            // What remains is dissipated by the upwind fluxes of elements: 0.5 % below nine tenths of
+            // capacity, and more on the mesh of drive cycles.
+            let mut coarse = parameters.clone();
+            let [arc, strand] = [12, 6];
+            (coarse.mesh.primary_arc, coarse.mesh.secondary_arc, coarse.mesh.strand) = (arc, arc, strand);
+            let coarse = transmitting(&coarse, ratio, 20e3, torque, SPEED);
+            for (state, bound) in [(&state, 1e-2), (&coarse, 1.6e-2)] {
+                let rest = state.power_residual() / state.outputs.losses.total();
+                assert!(rest.abs() < bound, "{model:?} {ratio} {torque} N·m: {rest}");
             }
         }
         let even = idling(&parameters, 1.0, 20e3, SPEED).outputs;

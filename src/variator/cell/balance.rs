@@ -49,7 +49,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
     for (i, station) in points.stations.iter().enumerate() {
         let Some(station) = station else { continue };
         let forces = StationForces::new(given, &cell, i, station, ring, push.force);
-        apply(given, i, station, &forces, ring, &mut out);
+        apply(given, cell.inverse_length, i, station, &forces, ring, &mut out);
         observe(&AtStation {
             given,
             cell: &cell,
@@ -68,6 +68,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>>(
 #[inline(always)]
 fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     given: &CellInput<'_, T>,
+    inverse_length: T,
     i: usize,
     station: &StationState<T, D>,
     forces: &StationForces<T, D>,
@@ -98,8 +99,10 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
         load.drift += along * point.stretch;
         ring_along += along * point.stretch;
     } else {
-        out.speed[0] += along * weight * (-right + 1.0);
-        out.speed[1] += along * weight * right;
+        // The mean of the energy over the cell acts like a push force.
+        let pressure = forces.flanks.energy * inverse_length;
+        out.speed[0] += (along * (-right + 1.0) + pressure) * weight;
+        out.speed[1] += (along * right - pressure) * weight;
     }
     let station_load = StationLoad {
         load,

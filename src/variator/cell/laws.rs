@@ -21,10 +21,10 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 ///
 /// | law | forces | arguments |
 /// |---|---|---|
-/// | flank | normal, circumferential friction, friction along the flank | penetration, its rate, circumferential sliding, sliding along |
+/// | flank | elastic and viscous normal force, circumferential friction, friction along the flank | penetration, its rate, circumferential sliding, sliding along |
 /// | ring | friction on the elements | T − m_r ṡ², sliding speed |
 /// | stack | push force | density, its material rate |
-pub(crate) const FORCES: usize = 3;
+pub(crate) const FORCES: usize = 4;
 pub(crate) const ARGUMENTS: usize = 4;
 
 /// A value for each law of a cell: at each station of D laws, those of the flank on the movable
@@ -94,7 +94,7 @@ pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &At
             along_flank,
         };
         let force = flank_force(&law.contact, friction, law.wedge.cos, &motion);
-        *to = [force.normal.eps, force.tangential.eps, force.along_flank.eps];
+        *to = [force.elastic(), force.viscous, force.tangential, force.along_flank].map(|force| force.eps);
     }
     let kappa = Tangent::constant(at.station.ring.reference.kappa);
     let [pressing, sliding] = seeded([forces.pressing, forces.sliding]);

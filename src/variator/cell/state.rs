@@ -1,15 +1,14 @@
 //! The state of a cell and of its stations, for its balance and the derivatives of the balance.
 
-use crate::ring::kinematics::{LineLoad, RingPoint, WithRate, embed, in_plane};
+use crate::ring::kinematics::{LineLoad, RingPoint, WithRate, in_plane};
 use crate::scalar::Real;
 use crate::stack::{Acceleration, Push, StackPoint, push_force};
 use crate::variator::law::arguments::{CellInput, CellLaw, between};
 use crate::variator::law::element_rotation::{rotation_drag, throughput};
-use crate::variator::law::flanks::{BeltPoint, BothFlanks, FlankKinematics};
+use crate::variator::law::flanks::{BeltPoint, BothFlanks, FlankKinematics, LineForces};
 use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::CellRing;
-use nalgebra::{SVector, Vector2};
 
 /// Ring and stack at a station, and its quadrature weight.
 #[derive(Clone, Copy, Debug)]
@@ -195,9 +194,10 @@ pub struct StationForces<T: Real, const D: usize> {
     pub belt: BeltPoint<T, D>,
     pub kinematics: FlankKinematics<T>,
     pub flanks: BothFlanks<T>,
-    /// Forces of the flanks at the pitch line (tangential) and at the ring centre line, N/m.
-    pub at_pitch_line: Vector2<T>,
-    pub at_ring_line: SVector<T, D>,
+    /// Forces of the flanks, and those which act on V: of a pushbelt without the elastic normal
+    /// forces, which act on it by way of their energy.
+    pub of_flanks: LineForces<T, D>,
+    pub on_speed: LineForces<T, D>,
     /// Forces along the normals, inwards, N/m.
     pub inward: [T; 2],
     /// T − m_r ṡ², N, sliding speed of the ring on the elements, m/s, and its friction, N/m.
@@ -211,8 +211,6 @@ pub struct StationForces<T: Real, const D: usize> {
     pub layer_drag: T,
     /// Drag of elements that start and stop turning, N/m.
     pub rotation_drag: T,
-    /// Conjugate of v_e·t̂: force of the flanks, N/m.
-    pub tangential: T,
 }
 
 impl<T: Real, const D: usize> StationForces<T, D> {
@@ -248,18 +246,19 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         };
         let kinematics = FlankKinematics::new(law, geometry.axis, &motion.pulley, &belt);
         let flanks = kinematics.both_flanks(given, &belt, stack.lambda);
-        let at_pitch_line = kinematics.e_t * -flanks.sum.loads.circumferential;
-        let mut at_ring_line: SVector<T, D> = embed(kinematics.e_r * -flanks.sum.loads.radial);
-        if D > 2 {
-            at_ring_line[D - 1] += flanks.sum.lateral;
-        }
+        let of_flanks = flanks.sum.forces(&kinematics);
+        let on_speed = if law.is_pull_chain() {
+            of_flanks
+        } else {
+            let elastic = flanks
+                .forces
+                .map(|force| force.elastic() * stack.lambda * law.wedge.cos);
+            of_flanks.plus(&kinematics.normal_forces(law, elastic, geometry.plane.side), -1.0)
+        };
         let mut inward = [T::zero(); 2];
         for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
             let normal = &point.normals[k];
-            *inward = mass * acceleration.across[k]
-                + push * stack.curvature[k]
-                + at_pitch_line.dot(&in_plane(normal))
-                + at_ring_line.dot(normal);
+            *inward = mass * acceleration.across[k] + push * stack.curvature[k] + of_flanks.along(normal);
         }
 
         let pressing = pressing(law.saddle_mass, tension, motion.reference.s_dot);
@@ -276,8 +275,8 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             belt,
             kinematics,
             flanks,
-            at_pitch_line,
-            at_ring_line,
+            of_flanks,
+            on_speed,
             inward,
             pressing,
             sliding,
@@ -286,7 +285,6 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             ring_speed,
             layer_drag: layer_drag(geometry.layer_drag, pressing, kappa, ring_speed),
             rotation_drag: rotation_drag(geometry.rotation_drag, kappa, cell.throughput, stack.speed),
-            tangential: at_ring_line.dot(&point.t),
         }
     }
 
@@ -294,8 +292,8 @@ impl<T: Real, const D: usize> StationForces<T, D> {
     #[inline(always)]
     pub fn along(&self, point: &RingPoint<T, D>, stack: &StackPoint<T>) -> T {
         self.mass * self.acceleration.along
-            + self.at_pitch_line.dot(&in_plane(&point.t))
-            + self.tangential * stack.lead
+            + self.on_speed.pitch.dot(&in_plane(&point.t))
+            + self.on_speed.ring.dot(&point.t) * stack.lead
             - self.ring_friction * self.saddle_lead
             + self.rotation_drag
     }

@@ -2,17 +2,16 @@
 
 use crate::contact::{FlankForce, FlankMotion};
 use crate::pulley::Wedge;
-use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, WithRate, embed, in_plane};
-use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
+use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, WithRate, in_plane};
+use crate::scalar::{Lanes, Real, Tangent, along};
 use crate::solver::Factors;
 use crate::stack::{Components, PointVariation, StackPoint};
 use crate::variator::cell::laws::{Arguments, FORCES, Forces, Tangents, flank_arguments, ring_arguments};
 use crate::variator::cell::state::{CellState, StationForces, StationState};
 use crate::variator::law::arguments::{CellBalance, CellInput, CellLaw, PulleyMotion};
 use crate::variator::law::element_rotation::rotation_drag;
-use crate::variator::law::flanks::{BeltPoint, FlankKinematics, FlankLoads, FlankSum};
+use crate::variator::law::flanks::{BeltPoint, FlankKinematics, FlankLoads, FlankSum, LineForces};
 use crate::variator::law::ring_friction::layer_drag;
-use nalgebra::SVector;
 
 /// A station and the coefficients of its variations.
 #[derive(Clone, Copy, Debug)]
@@ -251,7 +250,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     }
 
     /// Adds the variation of the flanks' forces to the load on the ring and to those on the pulley.
-    /// Returns that of inertia less forces along the belt, N/m.
+    /// Returns that of inertia less forces along the belt, N/m, without the energy of the flanks.
     #[inline(always)]
     pub fn add_flank_forces<const MOVES: bool>(
         &self,
@@ -261,58 +260,74 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         out: &mut CellBalance<Lanes>,
     ) -> Lanes {
         let (ring, stack, at) = (self.ring, self.stack, &self.forces.kinematics);
+        let (law, flanks) = (given.law, &self.forces.flanks);
         let StationVariation { flank, inertia, .. } = change;
         let PointVariation {
             ring: by,
             stack: d_stack,
         } = change.by;
         let vary = |k: usize| {
-            let force = &self.forces.flanks.forces[k];
-            vary_loads(given.law, at, stack.lambda, force, flank, change.forces[k])
+            let force = &flanks.forces[k];
+            vary_loads(law, at, stack.lambda, force, flank, change.forces[k])
         };
-        let flanks = if D == 2 {
+        let all = if D == 2 {
             FlankSum::symmetric(&vary(0))
         } else {
             FlankSum::new(&vary(0), &vary(1), given.geometry.plane.side)
         };
-        let (base, loads) = (&self.forces.flanks.sum.loads, &flanks.loads);
-        let mut at_ring_line: SVector<Lanes, D> = zero_vector();
-        if D == 3 {
-            at_ring_line[D - 1] += flanks.lateral;
+        let mut of_flanks = all.forces::<D>(at);
+        let mut on_speed = of_flanks;
+        if !law.is_pull_chain() {
+            let cos = law.wedge.cos;
+            let elastic = flanks.forces.map(|force| force.elastic() * cos);
+            let by = |k: usize| change.forces[k][0] * cos * stack.lambda + elastic[k] * flank.lambda;
+            let varied = at.normal_forces(law, [by(0), by(D - 2)], given.geometry.plane.side);
+            let both = (elastic[0] + elastic[1]) * stack.lambda;
+            let tilted = [flank.opening, flank.opening_slope, Lanes::from(0.0)].map(|by| both * by);
+            on_speed = on_speed.plus(&varied, -1.0).plus(&LineForces::new(at, tilted), -1.0);
         }
-        let mut outward = at.e_r * loads.radial;
-        let mut drag = at.e_t * loads.circumferential;
-        let mut moment = at.e_r * (loads.axial * 0.5 * at.rho);
         if MOVES {
-            outward += at.e_t * (flank.turn * base.radial);
-            drag -= at.e_r * (flank.turn * base.circumferential);
-            let axial = base.axial * 0.5;
+            of_flanks = of_flanks.plus(&self.forces.of_flanks.turned(flank.turn), 1.0);
+            on_speed = on_speed.plus(&self.forces.on_speed.turned(flank.turn), 1.0);
+        }
+        let mut moment = at.e_r * (all.loads.axial * 0.5 * at.rho);
+        if MOVES {
+            let axial = flanks.sum.loads.axial * 0.5;
             moment += at.e_r * (axial * flank.rho) + at.e_t * (axial * at.rho * flank.turn);
         }
-        out.pulley.add(&flanks.on_pulley(moment, outward + drag), self.weight);
+        let resultant = -(of_flanks.pitch + in_plane(&of_flanks.ring));
+        out.pulley.add(&all.on_pulley(moment, resultant), self.weight);
 
-        at_ring_line -= embed(outward);
-        let mut along = inertia.along - drag.dot(&in_plane(&ring.t));
-        let mut tangential = at_ring_line.dot(&ring.t);
-        let base_drag = at.e_t * base.circumferential;
+        let base = &self.forces.on_speed;
+        let mut along = inertia.along + on_speed.pitch.dot(&in_plane(&ring.t));
+        let mut tangential = on_speed.ring.dot(&ring.t);
         if MOVES {
-            tangential += self.forces.at_ring_line.dot(&by.t);
-            along += self.forces.tangential * d_stack.lead
-                - self.forces.ring_friction * self.vary_saddle_lead(by)
-                - base_drag.dot(&in_plane(&by.t));
+            tangential += base.ring.dot(&by.t);
+            along += base.ring.dot(&ring.t) * d_stack.lead + base.pitch.dot(&in_plane(&by.t))
+                - self.forces.ring_friction * self.vary_saddle_lead(by);
         }
         for k in 0..D - 1 {
             let normal = &ring.normals[k];
-            let mut inward = inertia.across[k] - drag.dot(&in_plane(normal)) + at_ring_line.dot(normal);
+            let mut inward = inertia.across[k] + of_flanks.along(normal);
             if MOVES {
-                inward +=
-                    self.forces.at_ring_line.dot(&by.normals[k]) - base_drag.dot(&in_plane(&by.normals[k]));
+                inward += self.forces.of_flanks.along(&by.normals[k]);
                 load.position += by.normals[k] * self.forces.inward[k];
             }
             load.position += normal * inward;
         }
         let d_friction = change.forces[D - 1][0];
         along + tangential * stack.lead - d_friction * self.forces.saddle_lead
+    }
+
+    /// Variation of the elastic energy of the flanks per pitch-line length, J/m.
+    #[inline(always)]
+    pub fn vary_energy(&self, given: &CellInput<'_, Lanes>, flank: &FlankVariation) -> Lanes {
+        let one = |k: usize, penetration: Lanes| {
+            let force = &self.forces.flanks.forces[k];
+            force.elastic() * penetration * given.law.wedge.cos
+        };
+        let (middle, offset) = (flank.motion.penetration, flank.offset);
+        one(0, middle + offset) + one(1, middle - offset)
     }
 
     /// δ(λ₁/λ): λ₁ and λ vary as |r'| does.
@@ -331,11 +346,11 @@ fn vary_loads(
     lambda: Lanes,
     force: &FlankForce<Lanes>,
     by: &FlankVariation,
-    [normal, tangential, along_flank]: Forces,
+    [elastic, viscous, tangential, along_flank]: Forces,
 ) -> FlankLoads<Lanes> {
     let Wedge { sin, cos, tan } = law.wedge;
     // Per ring length: forces times λ.
-    let d_normal = normal * lambda + force.normal * by.lambda;
+    let d_normal = (elastic + viscous) * lambda + force.normal * by.lambda;
     let d_tangential = tangential * lambda + force.tangential * by.lambda;
     let d_along = along_flank * lambda + force.along_flank * by.lambda;
     let (axial_normal, d_axial_normal) = (force.normal * lambda * cos, d_normal * cos);

@@ -348,8 +348,9 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             load.drift += drift;
             ring_along += drift;
         } else {
-            for face in [0, 1] {
-                out.speed[face] += along * weight * face_weight::<Lanes>(face, station.right);
+            let pressure = station.vary_energy(&self.given, change.flank) * self.cell.inverse_length;
+            for (face, pressure) in [pressure, -pressure].into_iter().enumerate() {
+                out.speed[face] += (along * face_weight::<Lanes>(face, station.right) + pressure) * weight;
             }
         }
         let station_load = StationLoad {

@@ -1,8 +1,8 @@
 //! Motion of a point of the belt relative to its pulley, and the loads of its two flanks.
 
-use crate::contact::{FlankForce, FlankMotion, flank_force};
+use crate::contact::{FlankForce, FlankMotion, energy_density, flank_force};
 use crate::pulley::Wedge;
-use crate::ring::kinematics::in_plane;
+use crate::ring::kinematics::{embed, in_plane};
 use crate::scalar::Real;
 use crate::variator::law::arguments::{CellInput, CellLaw, PulleyLoad, PulleyMotion, SheavePlane};
 use nalgebra::{SVector, Vector2};
@@ -74,6 +74,17 @@ impl<T: Real> FlankSum<T> {
         }
     }
 
+    /// Forces on the element there.
+    #[inline(always)]
+    pub fn forces<const D: usize>(&self, at: &FlankKinematics<T>) -> LineForces<T, D> {
+        let FlankLoads {
+            radial,
+            circumferential,
+            ..
+        } = self.loads;
+        LineForces::new(at, [radial, circumferential, self.lateral])
+    }
+
     /// Load on the pulley, per ring length, with the moment of the axial force about the pulley's
     /// centre, N, and the contact force on the belt, N/m.
     #[inline(always)]
@@ -87,6 +98,55 @@ impl<T: Real> FlankSum<T> {
     }
 }
 
+/// Forces on an element, N/m, at the points on which they act.
+#[derive(Clone, Copy, Debug)]
+pub struct LineForces<T: Real, const D: usize> {
+    /// At the pitch line.
+    pub pitch: Vector2<T>,
+    /// At the ring centre line.
+    pub ring: SVector<T, D>,
+}
+
+impl<T: Real, const D: usize> LineForces<T, D> {
+    /// Of `[radial, circumferential, lateral]` loads per dξ.
+    #[inline(always)]
+    pub fn new(at: &FlankKinematics<T>, [radial, circumferential, lateral]: [T; 3]) -> Self {
+        let mut ring: SVector<T, D> = embed(at.e_r * -radial);
+        if D > 2 {
+            ring[D - 1] += lateral;
+        }
+        Self {
+            pitch: at.e_t * -circumferential,
+            ring,
+        }
+    }
+
+    /// Variation where e_r turns by `angle` towards e_t.
+    #[inline(always)]
+    pub fn turned(&self, angle: T) -> Self {
+        let turn = |v: Vector2<T>| Vector2::new(v.y, -v.x) * angle;
+        Self {
+            pitch: turn(self.pitch),
+            ring: embed(turn(in_plane(&self.ring))),
+        }
+    }
+
+    /// The sum with another one times `factor`.
+    #[inline(always)]
+    pub fn plus(&self, other: &Self, factor: f64) -> Self {
+        Self {
+            pitch: self.pitch + other.pitch * T::from(factor),
+            ring: self.ring + other.ring * T::from(factor),
+        }
+    }
+
+    /// Force along `direction`.
+    #[inline(always)]
+    pub fn along(&self, direction: &SVector<T, D>) -> T {
+        self.pitch.dot(&in_plane(direction)) + self.ring.dot(direction)
+    }
+}
+
 /// Both flanks of an element, first that on the movable sheave.
 #[derive(Clone, Copy, Debug)]
 pub struct BothFlanks<T> {
@@ -96,6 +156,8 @@ pub struct BothFlanks<T> {
     pub forces: [FlankForce<T>; 2],
     /// Sum of their loads.
     pub sum: FlankSum<T>,
+    /// Elastic energy of both per pitch-line length, J/m.
+    pub energy: T,
     /// Distance of the element from the middle, towards the movable sheave, m.
     pub offset: T,
 }
@@ -183,16 +245,19 @@ impl<T: Real> FlankKinematics<T> {
         lambda: T,
     ) -> BothFlanks<T> {
         let CellInput { law, friction, .. } = *given;
+        let cos = law.wedge.cos;
         let one = |flank: &FlankMotion<T>| {
-            let force = flank_force(&law.contact, friction, law.wedge.cos, flank);
-            (self.loads(law, lambda, flank, &force), force)
+            let force = flank_force(&law.contact, friction, cos, flank);
+            let energy = energy_density(&law.contact, cos, flank.penetration, force.depth);
+            (self.loads(law, lambda, flank, &force), force, energy)
         };
         if D == 2 {
-            let (loads, force) = one(&self.flank);
+            let (loads, force, energy) = one(&self.flank);
             return BothFlanks {
                 motions: [self.flank; 2],
                 forces: [force; 2],
                 sum: FlankSum::symmetric(&loads),
+                energy: energy * 2.0,
                 offset: T::zero(),
             };
         }
@@ -205,13 +270,28 @@ impl<T: Real> FlankKinematics<T> {
             self.flank.shifted(offset, speed, sin),
             self.flank.shifted(-offset, -speed, sin),
         ];
-        let [(movable, force), (fixed, other_force)] = motions.each_ref().map(one);
+        let [(movable, force, energy), (fixed, other_force, other_energy)] = motions.each_ref().map(one);
         BothFlanks {
             motions,
             forces: [force, other_force],
             sum: FlankSum::new(&movable, &fixed, side),
+            energy: energy + other_energy,
             offset,
         }
+    }
+
+    /// Forces on the element of `axial` normal forces per dξ, on the movable sheave and the other.
+    #[inline(always)]
+    pub fn normal_forces<const D: usize>(
+        &self,
+        law: &CellLaw,
+        [movable, fixed]: [T; 2],
+        side: T::Constant,
+    ) -> LineForces<T, D> {
+        let both = movable + fixed;
+        let [radial, circumferential] =
+            [self.opening + law.wedge.tan, self.opening_slope].map(|by| both * by);
+        LineForces::new(self, [radial, circumferential, (movable - fixed) * side])
     }
 
     /// Loads of a flank with this motion and this `force`.

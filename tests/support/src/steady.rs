@@ -69,12 +69,16 @@ impl Steady {
         sums.shaft_torque.map(|torque| -torque)
     }
 
-    /// Power into the belt less its losses, as a share of the driving power.
+    /// Power into the belt less its losses, W.
+    pub fn power_residual(&self) -> f64 {
+        let o = &self.outputs;
+        o.primary.power + o.secondary.power - (o.losses.total() - o.losses.shafts)
+    }
+
+    /// The same as a share of the driving power.
     pub fn power_defect(&self) -> f64 {
         let o = &self.outputs;
-        let driving = o.primary.power.max(o.secondary.power);
-        let of_belt = o.losses.total() - o.losses.shafts;
-        (o.primary.power + o.secondary.power - of_belt) / driving
+        self.power_residual() / o.primary.power.max(o.secondary.power)
     }
 
     /// Wrap angles of the belt's own radii, rad. (Θ is the radius at one point of S: a stretched

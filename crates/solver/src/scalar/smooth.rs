@@ -24,6 +24,13 @@ pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
 /// The same where the positive part `plus` = δ ln(1 + e^{x/δ}) is known.
 #[inline(always)]
 pub fn soft_plus_energy_at<T: Real>(x: T, plus: T, delta: f64) -> T {
+    // Its slope is the positive part, which need not be differentiated.
+    let (at, slope) = (x.value(), plus.value());
+    T::constant(plain_energy(at, slope, delta)) + (x - T::constant(at)) * slope
+}
+
+#[inline(always)]
+fn plain_energy<T: Real>(x: T, plus: T, delta: f64) -> T {
     // −Li₂(−z) in powers of l = ln(1 + z) ≤ ln 2; the coefficients are B_n/(n + 1)!. The next term
     // is below 1e-14.
     let series = |l: T| {
