@@ -30,7 +30,7 @@
 //! by parts, −∫ E' δV dξ = ∫ E δV' dξ, so what an element stores where it enters a pulley it returns
 //! where it leaves, however few stations lie there.
 
-use crate::scalar::{PositivePart, Real, soft_plus_energy_at};
+use crate::scalar::{PositivePart, Real, Tangent, soft_plus_energy_at};
 
 /// Parameters of the contact between element flank and sheave.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -149,6 +149,20 @@ pub fn flank_force<T: Real>(
         along_flank: drag * motion.along_flank,
         depth,
     }
+}
+
+/// −∂f_t/∂v_t of the friction f_t along e_t at constant normal force, N·s/m²: negative where faster
+/// sliding transmits less.
+#[inline(always)]
+#[must_use]
+pub fn traction_slope<L>(contact: &Contact, friction: &Friction, cos_beta: f64, motion: &FlankMotion<L>) -> L
+where
+    L: Real<Constant = L>,
+    Tangent<1, L>: Real<Constant = L>,
+{
+    let mut varied = motion.map(Tangent::<1, L>::constant);
+    varied.tangential = Tangent::seed(motion.tangential, 0, 1.0);
+    -flank_force(contact, friction, cos_beta, &varied).tangential.eps[0]
 }
 
 /// μ(v) at the square of the sliding speed, m²/s².

@@ -32,7 +32,7 @@ impl AsRef<Outputs> for Readings {
 
 /// Variables of the whole variator.
 const WHOLE: &str = "thrustRatio belt.speed ratio.speed ratio.geometric slip efficiency efficiency.belt torqueUtilisation \
-                     macroSlip loss.total loss.shafts loss.seals stored.energy initial.ratio initial.primarySpeed \
+                     macroSlip pastPeak loss.total loss.shafts loss.seals stored.energy initial.ratio initial.primarySpeed \
                      initial.steady initial.equilibrium initial.strict friction.pulley inputs.ramp";
 
 /// Variables that only a pulley of the detailed unit has.

@@ -158,6 +158,7 @@ impl MapUnit {
             belt_speed: 0.5 * point.radius * (speeds.primary + point.ratio * speeds.secondary),
             torque_utilisation: point.traction.value.abs(),
             macro_slip: point.macro_slip(),
+            past_peak: point.macro_slip(),
             losses: Losses {
                 // Maps have the belt's loss as a whole.
                 other: sum(&|j| into[j] * speeds[j]),

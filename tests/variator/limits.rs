@@ -95,6 +95,32 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
     }
 }
 
+/// The slope at constant normal forces changes its sign where the torque over slip is largest: both
+/// shafts have given speeds. In underdrive all elements of the primary pulley slide before.
+#[test]
+fn past_the_peak_of_traction_torque_falls_with_slip() {
+    for model in MODELS {
+        for (ratio, force, sign) in [(2.2, 30e3, 1.0), (2.2, 10e3, -1.0), (1.0, 15e3, 1.0), (0.5, 15e3, -1.0)]
+        {
+            let at = |slip: f64| {
+                let slipping = pair(SPEED / ratio * (1.0 - sign * slip), SPEED);
+                turning(&variator(model), ratio, force, slipping).outputs
+            };
+            let curve: Vec<_> = (0..9).map(|k| at(0.02 * f64::powi(1.35, k))).collect();
+            let torque = |o: &Outputs| o.torque_utilisation.abs();
+            let peak = (0..9).max_by(|&a, &b| torque(&curve[a]).total_cmp(&torque(&curve[b])));
+            let peak = peak.expect("a curve");
+            let past: Vec<_> = curve.iter().map(|o| o.past_peak).collect();
+            let changes = past.partition_point(|past| !past);
+            assert!(
+                (peak..=peak + 1).contains(&changes),
+                "{model:?} {ratio}: {past:?}, peak {peak}"
+            );
+            assert!(past[changes..].iter().all(|past| *past), "{model:?} {ratio}: {past:?}");
+        }
+    }
+}
+
 /// Torque over 2μSR/cos β of the pulley that slips more, if it slips all around. (On the other one
 /// elements may have gaps before the entry: they move with the sheave until they reach the pushing
 /// stack.)

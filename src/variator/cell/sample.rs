@@ -1,9 +1,9 @@
 //! Values at a station for outputs, losses and energies.
 
-use crate::contact::energy_density;
+use crate::contact::traction_slope;
 use crate::ring::ale::RingDensity;
 use crate::ring::kinematics::{RingPoint, in_plane};
-use crate::scalar::{Lanes, Real};
+use crate::scalar::{Lanes, Real, Tangent};
 use crate::stack::Push;
 use crate::variator::cell::state::{CellState, StationForces, StationState};
 use crate::variator::law::arguments::CellInput;
@@ -46,6 +46,8 @@ pub struct Sample<L = f64> {
     pub resultant: [L; 2],
     /// Tangential sliding speed, m/s.
     pub sliding: L,
+    /// Slope of the traction of both flanks over it at constant normal forces, N·s/m².
+    pub traction_slope: L,
     /// Distance of the ring from the middle of the pulley, towards its movable sheave, m.
     pub offset: L,
     /// Deflection w along z, m.
@@ -81,7 +83,7 @@ macro_rules! for_each_figure {
     ($with:ident) => {
         $with! {
             xi, curvature, face_curvature, ring_curvature, weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque, resultant[0], resultant[1],
-            sliding, offset, lateral, lateral_slope, flow, speed, sheave_loss, ring_loss, layer_loss, rotation_loss, damping_loss,
+            sliding, traction_slope, offset, lateral, lateral_slope, flow, speed, sheave_loss, ring_loss, layer_loss, rotation_loss, damping_loss,
             kinetic, ring_elastic, flank_elastic, outward
         }
     };
@@ -132,11 +134,15 @@ pub struct AtStation<'a, T: Real, const D: usize = 2> {
     pub ring: RingDensity<T>,
 }
 
-impl<T: Real, const D: usize> AtStation<'_, T, D> {
+impl<L, const D: usize> AtStation<'_, L, D>
+where
+    L: Real<Constant = L>,
+    Tangent<1, L>: Real<Constant = L>,
+{
     /// The values at the station.
     #[inline(always)]
     #[must_use]
-    pub fn sample(&self) -> Sample<T> {
+    pub fn sample(&self) -> Sample<L> {
         let Self {
             cell,
             push,
@@ -151,17 +157,15 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
             weight,
         } = self.station;
         let (flanks, kinematics) = (&forces.flanks, &forces.kinematics);
-        let flank_energy = |k: usize| {
-            let (contact, cos_beta) = (&self.given.law.contact, self.given.law.wedge.cos);
-            energy_density(contact, cos_beta, flanks.motions[k].penetration, flanks.forces[k].depth)
-        };
+        let CellInput { law, friction, .. } = *self.given;
+        let slope = |k: usize| traction_slope(&law.contact, friction, law.wedge.cos, &flanks.motions[k]);
         let (lateral, lateral_slope) = if D == 2 {
-            (T::zero(), T::zero())
+            (L::zero(), L::zero())
         } else {
             (point.r[D - 1], point.slope[D - 1])
         };
         let stack_loss = -(push.viscous * cell.lengthening * cell.inverse_length);
-        let from_axis = in_plane(&face.r) - Vector2::new(T::constant(self.given.geometry.axis), T::zero());
+        let from_axis = in_plane(&face.r) - Vector2::new(self.given.geometry.axis, L::zero());
         Sample {
             xi: point.reference.xi.v,
             curvature: point.reference.kappa,
@@ -182,6 +186,7 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
                 + kinematics.e_t * flanks.sum.loads.circumferential)
                 .into(),
             sliding: kinematics.flank.tangential,
+            traction_slope: (slope(0) + slope(1)) * stack.lambda,
             offset: flanks.offset,
             lateral,
             lateral_slope,
@@ -194,7 +199,7 @@ impl<T: Real, const D: usize> AtStation<'_, T, D> {
             damping_loss: ring.viscous + stack_loss + flanks.sum.loads.viscous,
             kinetic: ring.kinetic + forces.mass * forces.belt.v_p.dot(&forces.belt.v_p) * 0.5,
             ring_elastic: ring.membrane + ring.bending,
-            flank_elastic: (flank_energy(0) + flank_energy(1)) * stack.lambda,
+            flank_elastic: flanks.energy * stack.lambda,
             outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
         }
     }

@@ -84,6 +84,18 @@ pub struct Sliding<L = f64> {
     pub weighted: L,
     /// ∫ normal dξ where v_t > 0, N.
     pub forward: L,
+    /// Slope of the traction over the sliding speed at constant normal forces, N·s/m.
+    pub slope: L,
+}
+
+impl BeltSums {
+    /// Whether a loaded pulley would transmit less torque if its elements slid faster.
+    pub fn past_peak(&self) -> bool {
+        Pulley::BOTH.into_iter().any(|j| {
+            let Sliding { load, slope, .. } = self.sliding[j];
+            load >= NO_FORCE && slope < 0.0
+        })
+    }
 }
 
 impl BeltSums<Lanes> {
@@ -117,6 +129,7 @@ impl BeltSums<Lanes> {
             sliding.load += load;
             sliding.weighted += load * s.sliding;
             sliding.forward += s.sliding.if_positive(load, Lanes::zero());
+            sliding.slope += s.traction_slope * weight;
         }
         let none = f64::INFINITY.into();
         let strand = s.curvature.if_positive(none, s.tension - s.push);
@@ -148,6 +161,7 @@ impl BeltSums<Lanes> {
                 load: of.load.sum(),
                 weighted: of.weighted.sum(),
                 forward: of.forward.sum(),
+                slope: of.slope.sum(),
             }),
             strand_force: self.strand_force.to_array().into_iter().fold(f64::INFINITY, f64::min),
             push_force: self.push_force.to_array().into_iter().fold(0.0, f64::max),

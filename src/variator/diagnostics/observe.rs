@@ -70,6 +70,7 @@ impl Observer {
             tilt: f64::hypot(view.y[belt.layout.tilt(j, 0)], view.y[belt.layout.tilt(j, 1)]),
         };
         (out.primary, out.secondary) = (outputs(Primary), outputs(Secondary));
+        out.past_peak = sums.past_peak();
         out.belt_speed = sums.speed_integral / sums.pitch_length;
         out.ring_speed = view.y[belt.layout.drift()];
         out.reference_theta = view.q[belt.layout.theta()];
@@ -307,6 +308,7 @@ pub(crate) fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSum
             load,
             weighted,
             forward,
+            ..
         } = sums.sliding[j];
         let omega = view.y[system.belt.layout.shaft_speed(j)];
         let limit = SLIPPING_VELOCITY * system.friction_velocity + SLIPPING_RIM * (omega * radii[j]).abs();

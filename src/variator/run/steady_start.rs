@@ -10,7 +10,6 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::NotSteady;
 use crate::solver::newton::{Newton, WorkBound};
 use crate::variator::diagnostics::belt::NO_FORCE;
-use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::settings::capacity::{TorqueDemand, excessive_speed};
 use crate::variator::settings::{Axial, Drive, StartState};
@@ -152,8 +151,8 @@ impl Simulation {
                 Some(demand) if is_least => return Err(NoSteadyState::Hopeless(demand.to_string())),
                 Some(_) => {}
                 None => match self.solve(newton, &task) {
-                    // Beyond capacity a slipping pulley may be steady too.
-                    Ok(_) if fraction == 1.0 || is_least || !self.slips_by_state() => break,
+                    // Past the peak of traction a state may be steady too.
+                    Ok(_) if fraction == 1.0 || is_least || !self.sums().past_peak() => break,
                     Err(report) if is_least || task.shaft == Boundary::HELD.shaft => {
                         let why = demand.map(|demand| format!(": {demand}")).unwrap_or_default();
                         return Err(NoSteadyState::NotFound(format!("{report}{why}")));
@@ -171,7 +170,7 @@ impl Simulation {
             };
             let feasible = self.state.clone();
             let found = is_beyond(middle).is_none() && self.solve(newton, &task).is_ok();
-            if found && !self.slips_by_state() {
+            if found && !self.sums().past_peak() {
                 fraction = middle;
             } else {
                 beyond = middle;
@@ -184,11 +183,6 @@ impl Simulation {
     fn solve(&mut self, newton: &mut Newton, task: &SteadyTask) -> Result<(), NotSteady> {
         let Simulation { system, state, .. } = self;
         SteadySolver { system, newton }.solve(state, task)
-    }
-
-    /// Whether the belt slips through, from the state alone.
-    fn slips_by_state(&self) -> bool {
-        macro_slip(&self.system, self.state.view(), &self.sums(), false)
     }
 
     /// Solves for the ratio at which the clamping forces balance, too, from the state `found`.

@@ -221,6 +221,7 @@ pub struct Outputs {
     pub belt_efficiency: f64,
     pub torque_utilisation: f64,
     pub macro_slip: bool,
+    pub past_peak: bool,
     pub push_force_max: f64,
     pub ring_tension_max: f64,
     pub ring_tension_min: f64,
