@@ -215,8 +215,8 @@ class WorkingPoints:
             warn(why)
         unit = self._solved(held, point)
         state = SteadyState(unit.outputs(), unit.profile(), unit.get("secondary.externalTorque"))
-        if state["macroSlip"]:
-            raise SteadyStateError(f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}")
+        if state["pastPeak"]:
+            raise SteadyStateError(f"the belt slips through {point}, past the peak of its traction: its torque utilisation is {state['torqueUtilisation']:.2f}")
         self._last_steady = (held, state)
         return state
 

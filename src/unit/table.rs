@@ -136,7 +136,7 @@ pub(super) fn outputs<S, Q: AsRef<Outputs>>() -> impl Iterator<Item = Variable<S
         read!("efficiency", 8, Output, Real("1", Range::typical(1.0)), "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow. Meaningful at constant speeds only, because the power includes changes of the belt's kinetic energy", efficiency),
         read!("torqueUtilisation", 9, Output, Real("1", Range::between(0.0, 10.0).with_nominal(1.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). In underdrive the primary pulley slips first, from about 0.8 when driving and 0.6 in overrun", torque_utilisation),
         read!("macroSlip", 10, Output, Switch, "True if all loaded elements of a pulley slide tangentially in the same direction: the belt slips through", macro_slip),
-        read!("pastPeak", 37, Output, Switch, "True past the peak of traction: a pulley would transmit less torque if its elements slid faster, with the present normal forces. A belt near its capacity in underdrive can have macroSlip before", past_peak),
+        read!("pastPeak", 38, Output, Switch, "True past the peak of traction: a pulley would transmit less torque if its elements slid faster, with the present normal forces. A belt near its capacity in underdrive can have macroSlip before", past_peak),
         read!("loss.total", 11, Output, Real("W", Range::typical(100.0)), "Sum of all losses", losses.total()),
         read!("loss.sheaves", 12, Output, Real("W", Range::typical(100.0)), "Friction loss between elements and sheaves", losses.sheaves),
         read!("loss.ring", 13, Output, Real("W", Range::typical(100.0)), "Friction loss between ring and elements", losses.ring),

@@ -89,7 +89,7 @@ def made_up(study: Study) -> dict[int, Row]:
             "primary.torque": study.start_values(point)["primary.torque"],
             "thrustRatio": 1.5 - 0.8 * math.log(point["initial.ratio"]) + 0.1 * utilisation,
             "efficiency": 1.0 - lost, "slip": 0.01 * utilisation**2, "primary.power": 1e4, "secondary.power": -1e4 * (1.0 - lost),
-            "loss.total": 1e4 * lost + 150.0, "loss.shafts": 150.0, "drift": 1e-9, "macroSlip": False,
+            "loss.total": 1e4 * lost + 150.0, "loss.shafts": 150.0, "drift": 1e-9, "macroSlip": False, "pastPeak": False,
             "remarks": None, "reason": None, "time": 0.1,
         }  # fmt: skip
     return rows

@@ -211,8 +211,7 @@ class Instance(AbstractContextManager["Instance"]):
     def outputs(self) -> dict[str, float]:
         reals = self.reals(output_names(self.variables.values()))
         values = dict(zip(reals.names, self.get_reals(reals).tolist(), strict=True))
-        values["macroSlip"] = float(self.get("macroSlip"))
-        return values
+        return values | {name: float(self.get(name)) for name in ("macroSlip", "pastPeak")}
 
     def profile(self) -> Profile:
         names = {name: [f"profile.{field}[{k + 1}]" for k in range(PROFILE_POINTS)] for name, field in PROFILE_FIELDS.items()}

@@ -30,12 +30,12 @@ FADING_SPEED = 2.0  # Speed below which the drag of a shaft fades, rad/s: as in 
 LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.joints", "loss.spin", "loss.other")  # Losses of the belt
 OUTPUTS = ("thrustRatio", "slip", *LOSSES, "belt.speed", "ring.stressMax")
 """Outputs that are recorded at each point, besides the torque loss and the bearing load."""
-POINT_COLUMNS = (*OUTPUTS, "beltTorqueLoss", "bearingLoad", "macroSlip")
+POINT_COLUMNS = (*OUTPUTS, "beltTorqueLoss", "bearingLoad", "pastPeak")
 FIRST_SLIP, SLIP_FACTOR, MOST_SLIP = 0.01, 1.4, 0.6
 """First slip, factor between slips and largest slip in the search for the capacity."""
-FLAT = 0.01  # Relative growth of the utilisation from one slip to the next that counts as none
-TRIED = 1.05
-"""Utilisation up to which points are tried, relative to that at capacity: the search ends before the peak of the traction."""
+HALVINGS = 3  # Of the interval of slips, by its logarithm, in which the traction has its peak
+TRIED = 1.01
+"""Utilisation up to which points are tried, relative to that at capacity: the search ends just before the peak of the traction."""
 WINDOW = (0.06, 0.12)
 """Start and end of the window for the mean slope in a shift measurement, s after the jump: after its transient, before the ratio changes much."""
 TIME_STEP = 0.01  # Largest communication step in it, s
@@ -72,20 +72,21 @@ def point(unit: Instance, ratio: float) -> dict[str, float]:
     torques = [unit.get(f"{pulley}.shaftTorque") for pulley in ("primary", "secondary")]
     speed = unit.get("secondary.speed")
     load = unit.get("loss.shafts") / (speed * math.tanh(speed / FADING_SPEED) * REFERENCE_LEVER)
-    return found | {"beltTorqueLoss": -torques[0] - torques[1] / ratio, "bearingLoad": load, "macroSlip": float(unit.get("macroSlip"))}
+    return found | {"beltTorqueLoss": -torques[0] - torques[1] / ratio, "bearingLoad": load, "pastPeak": float(unit.get("pastPeak"))}
 
 
-def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float]:
-    """Slip and utilisation at capacity, in the direction of a sign. Slips grow by `SLIP_FACTOR` until the utilisation
-    grows by less than `FLAT`; beyond this slip the belt slips through."""
-    slip = FIRST_SLIP
-    found = sign * traction(sign * slip)
-    while slip * SLIP_FACTOR < MOST_SLIP:
-        following = sign * traction(sign * slip * SLIP_FACTOR)
-        if following < (1.0 + FLAT) * found:
-            break
-        slip, found = slip * SLIP_FACTOR, following
-    return sign * slip, sign * found
+def limit(traction: Callable[[float], tuple[float, bool]], sign: float) -> tuple[float, float]:
+    """Slip and utilisation at capacity, the peak of the traction, in the direction of a sign. `traction` is the utilisation at
+    a slip, and whether it is past the peak. Slips grow by `SLIP_FACTOR` up to the peak."""
+    slip, factor = FIRST_SLIP, SLIP_FACTOR
+    (found, past), halvings = traction(sign * slip), 0
+    while halvings < HALVINGS and slip * factor < MOST_SLIP:
+        following, past = traction(sign * slip * factor)
+        if not past:
+            slip, found = slip * factor, following
+        if past or halvings:
+            factor, halvings = math.sqrt(factor), halvings + 1
+    return sign * slip, found
 
 
 def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
@@ -93,9 +94,9 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     reasons: dict[str, str] = {}
     capacity = torque_capacity(states.parameters, line.ratio, line.force)
 
-    def traction(slip: float) -> float:
+    def traction(slip: float) -> tuple[float, bool]:
         unit = states.at(driven_by_slip({}, line.ratio, line.speed, slip, line.force))
-        return -unit.get("primary.shaftTorque") / capacity
+        return -unit.get("primary.shaftTorque") / capacity, bool(unit.get("pastPeak"))
 
     (low, least), (high, most) = (limit(traction, sign) for sign in (-1.0, 1.0))
     points: list[dict[str, float] | None] = []
@@ -118,7 +119,7 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     return {
         "points": {name: [None if found is None else found[name] for found in points] for name in POINT_COLUMNS},
         "capacity": [least, most], "capacitySlip": [low, high], "reasons": reasons,
-        "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low) for s in along.shares],
+        "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low)[0] for s in along.shares],
         "shiftRate": [rates(utilisation) for utilisation in along.shift_utilisations],
     }  # fmt: skip
 

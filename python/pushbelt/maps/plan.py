@@ -24,7 +24,7 @@ from pushbelt.study.tasks import Row, Tasks, ascending, spread
 
 from .data import AXES, POINT, STATES, TABLES, Maps
 
-COLUMNS = {re.sub(r"\.(.)", lambda dot: dot[1].upper(), name): name for name in POINT_COLUMNS if name != "macroSlip"}
+COLUMNS = {re.sub(r"\.(.)", lambda dot: dot[1].upper(), name): name for name in POINT_COLUMNS if name != "pastPeak"}
 """Tables that are columns of the measured points: `lossSheaves` of `loss.sheaves`."""
 MARGIN = 1.06
 """Factor between the ratios of the end stops and the outermost ratios. A loaded belt rests within it of the stops."""
@@ -143,7 +143,7 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
         return values.reshape(*route, *values.shape[1:])
 
     raw = {name: gathered(lambda row, name=name: row["points"][name]) for name in POINT_COLUMNS}  # type: ignore[misc]
-    state, reasons = _states(plan, rows, raw["macroSlip"], axes["utilisation"])
+    state, reasons = _states(plan, rows, raw["pastPeak"], axes["utilisation"])
     tables = {name: filled(raw[column]) for name, column in COLUMNS.items()}
     tables["state"], tables["valid"] = state, (state <= STATES.index("slips_through")).astype(float)
     tables |= {name: gathered(itemgetter(name)) for name in ("capacity", "capacitySlip", "traction", "shiftRate")}

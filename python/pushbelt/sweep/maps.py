@@ -56,7 +56,7 @@ def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
         for m, n in np.ndindex(rows, columns):
             axes, one = panels[m, n], results.isel(friction=m, speed=n).transpose("utilisation", "ratio")
             values = (quantity.scale * one[quantity.column]).to_masked_array()
-            there, slipping = ~np.ma.getmaskarray(values), one.macroSlip.values > 0.0
+            there, slipping = ~np.ma.getmaskarray(values), one.pastPeak.values > 0.0
             if min(values.shape) > 1 and values.count() > 3:
                 axes.contourf(one.ratio, one.utilisation, values, levels, cmap=colours, norm=norm, extend="both")
                 for side in carried(one.utilisation.values, (there & ~slipping).T):

@@ -18,6 +18,7 @@ from pushbelt.study.tasks import Row
 
 SHORT_STEP = 1e-3
 """Length of the step after which the outputs are read, s. In a steady state they do not change during this step."""
+TRUTHS = ("macroSlip", "pastPeak")  # Outputs that are true or false
 
 Point = Mapping[str, float]
 """A working point: values by names of FMU variables, and `utilisation`: the primary torque over that at which the belt slips through,
@@ -64,5 +65,5 @@ def solve(states: SteadyStates, values: Mapping[str, float]) -> Row:
     if not all(math.isfinite(value) for value in outputs.values()):
         raise UnitError("an output is not finite")
     drift = outputs["thrustRatio"] / before - 1.0 if before else 0.0
-    slips, remarks = bool(outputs["macroSlip"]), "; ".join(unit.warnings) or None
-    return outputs | {"macroSlip": slips, "drift": drift, "remarks": remarks, "reason": None}
+    truths = {name: bool(outputs[name]) for name in TRUTHS}
+    return outputs | truths | {"drift": drift, "remarks": "; ".join(unit.warnings) or None, "reason": None}

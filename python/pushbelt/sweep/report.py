@@ -78,7 +78,7 @@ def _checks_of_grid(results: xarray.Dataset) -> list[Check]:
     # Every point below a utilisation with a steady state has one.
     backwards = {"utilisation": slice(None, None, -1)}
     beyond = driving.isel(backwards).cumsum("utilisation").isel(backwards) > 0
-    carried = results.thrustRatio.where(steady & (results.macroSlip == 0.0))
+    carried = results.thrustRatio.where(steady & (results.pastPeak == 0.0))
     # Below a value on either side.
     efficiency = results.efficiency.where(driving).transpose(*AXES)
     up, down = (np.fmax.accumulate(efficiency.values[..., ::way], axis=-1)[..., ::way] for way in (1, -1))
@@ -112,7 +112,7 @@ def _contours(results: xarray.Dataset, quantity: Quantity) -> Chart:
     panels = []
     for friction, speed in itertools.product(results.friction.values, results.speed.values):
         one = results.sel(friction=friction, speed=speed)
-        values, slips = quantity.scale * one[quantity.column].values, one.macroSlip.values > 0.0
+        values, slips = quantity.scale * one[quantity.column].values, one.pastPeak.values > 0.0
         there = np.isfinite(values)
         kinds = {"solved": there & ~slips, "slips through": there & slips, "no steady state": ~there}
         title = f"μ = {friction:g}, {RPM * speed:.0f} rpm"
@@ -130,8 +130,8 @@ def cuts(results: xarray.Dataset) -> Chart:
             Series(f"ratio {ratio:.3g}", results.utilisation, values.sel(ratio=ratio), colour, marker="circle", size=4)
             for ratio, colour in zip(results.ratio.values, shades(results.sizes["ratio"]), strict=True)
         ]
-        # Values in macro-slip would make the scale too large for the others.
-        held = values.where(results.macroSlip == 0.0)
+        # Values past the peak would make the scale too large for the others.
+        held = values.where(results.pastPeak == 0.0)
         low, high = float(held.min()), float(held.max())
         margin = 0.08 * (high - low) + 0.01
         span = (low - margin, high + margin) if np.isfinite(low) else None
@@ -175,7 +175,7 @@ def _of_grid(study: Study, results: xarray.Dataset) -> dict[str, Any]:
     middle = results.isel(force=results.sizes["force"] // 2).sel(friction=0.09, speed=209.44, method="nearest")
     return {
         "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
-        "steady": {name: results[name].values[steady.values] for name in ("thrustRatio", "efficiency", "slip", "macroSlip")},
+        "steady": {name: results[name].values[steady.values] for name in ("thrustRatio", "efficiency", "slip", "pastPeak")},
         "failed": names_of(results, ~steady)[:FEW],
         "cut": {"picture": cuts(middle), "rpm": RPM * float(middle.speed)}
         | {name: float(middle[name]) for name in ("friction", "force")},
@@ -217,10 +217,10 @@ def _range(values: pandas.Series) -> tuple[float, float] | None:
 
 
 def _scatter(numbers: pandas.DataFrame, name: str, unit: str) -> Chart:
-    """The quantities over a column. Points at which the belt slips through have another colour."""
+    """The quantities over a column. Points past the peak of traction have another colour."""
     x = numbers[name]
     scale, unit = LENGTHS.get(unit, in_figures(unit)) if x.abs().max() < LARGE or unit == "Pa" else (1.0, unit)
-    slipping = numbers.macroSlip == 1.0
+    slipping = numbers.pastPeak == 1.0
     label = name if unit in ("", "1") else f"{name} ({unit})"
     panels = []
     for quantity in QUANTITIES:

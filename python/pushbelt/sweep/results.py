@@ -16,7 +16,7 @@ from pushbelt.study.tasks import Row
 from pushbelt.whole_file import write_whole
 
 from .design import Design
-from .point import SHORT_STEP, capacity
+from .point import SHORT_STEP, TRUTHS, capacity
 from .study import AXES, Study
 
 METADATA = b"pushbelt.study"  # Key of the study's description (JSON) in the metadata of the results
@@ -32,7 +32,7 @@ def schema(study: Study) -> pa.Schema:
         ("point", pa.int64(), "1", "Index of the point in the study"),
         *((axis.column, number, axis.unit, axis.description) for axis in AXES.values()),
         *((name, number, variables[name].unit or "1", variables[name].description) for name in outputs if name not in axes),
-        ("macroSlip", pa.bool_(), "1", variables["macroSlip"].description),
+        *((name, pa.bool_(), "1", variables[name].description) for name in TRUTHS),
         ("drift", number, "1", f"Change of the thrust ratio over the step of {SHORT_STEP} s, relative"),
         ("remarks", pa.string(), "", "Warnings of the FMU"),
         ("reason", pa.string(), "", "Reason for a missing steady state; null with a steady state"),

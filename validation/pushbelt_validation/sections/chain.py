@@ -21,7 +21,7 @@ from ..limit import EFFECTS, QUICK, Deviation, compare, wraps
 from ..measured import THEORY
 from ..outcome import PERCENT, Column, Part, Section, Table, curve, share, table, within
 from ..theory import cmm
-from .continuum import shift_gain
+from .continuum import LOADED_TOLERANCE, loaded_gains, shift_gain
 
 VARIATOR = "chain168"
 PLACES = (0.6, 0.8, 1.0, 1.25, 1.6)
@@ -63,6 +63,7 @@ def run(bench: Bench, plan: Plan) -> Section:
         ]
         capacities = [(f"s {s:g}", _capacity(chain, s)) for s in plan.thin(PLACES, 1)]
         gains = [(f"s {s:g}", _gain(chain, s)) for s in plan.thin(SHIFT_PLACES, 1)]
+        loaded = loaded_gains(chain, plan, QUICK, "chain")
     thrusts = [
         within(
             f"chain-thrust-{ring.name}", f"Thrust ratio of a chain, {ring.name}", THEORY,
@@ -85,6 +86,10 @@ def run(bench: Bench, plan: Plan) -> Section:
                 THEORY, capacities, -CAPACITY_TOLERANCE, CAPACITY_TOLERANCE, PERCENT,
             ),
             within("chain-gain", "Speed of ratio change of a chain without load per unit of ln F_P", THEORY, gains, -GAIN_TOLERANCE, GAIN_TOLERANCE, PERCENT),
+            within(
+                "chain-gain-loaded", "The same under 0.4 and 0.7 of the torque of full slip",
+                THEORY, loaded, -LOADED_TOLERANCE, LOADED_TOLERANCE, PERCENT,
+            ),
         ),
         (_table(points),),
         (_chart(points),),

@@ -43,6 +43,8 @@ NEAR = 0.04
 """Half-width of the range about s = 1 that is excluded from the linear fits on both sides."""
 TILT_TOLERANCE = 0.05
 GAIN_TOLERANCE, RATIO_TOLERANCE, DOUBLING_TOLERANCE, LINE_TOLERANCE, SAME = 0.2, 0.06, 0.1, 0.05, 0.05
+SMALL, LARGE, SMALL_PLACES, SMALL_TOLERANCE = 0.02, 0.3, (0.6, 1.0, 1.6), 0.07
+"""Small and large steps of F_P, relative; the places at which they are compared."""
 LIGHT = 0.1
 """Factor of the driven shaft's inertia: the law has no inertia, and the rig's is not known."""
 LAW = source("shiftLaw")
@@ -107,7 +109,7 @@ def run(bench: Bench, plan: Plan) -> Section:
         "Speed of ratio change",
         "The law fitted to a rig's shifts (the laboratory variator bench168). Its opening Δ(F) is from a later text, and g(s) is from the "
         "continuum theory. At 10 kN it is an extrapolation.",
-        (tilt_check, *_gain_checks(gains), _heavy_shaft(bench, plan), *line_checks, step_check),
+        (tilt_check, *_gain_checks(gains), _small_steps(bench, plan), _heavy_shaft(bench, plan), *line_checks, step_check),
         (_gain_table(gains), tilts, lines, step),
         (_chart(gains, line_curves),),
         (
@@ -167,6 +169,20 @@ def _gain_checks(gains: Gains) -> list[Check]:
         ),
         beyond("shift-rest-10", "The same from 10 to 30 kN", same, PERCENT, gains.spreads(*FORCES)),
     ]  # fmt: skip
+
+
+def _small_steps(bench: Bench, plan: Plan) -> Check:
+    """The mean gain of small steps up and down against that of large ones."""
+    found: list[tuple[str, float | None]] = []
+    for s in plan.thin(SMALL_PLACES, 1):
+        start = _start(bench, s, FORCES[1], SPEEDS[0])
+        small, large = (
+            [bench.shift(start, sign * math.log1p(step), f"s {s:g}, step {sign * step:+g}") for sign in (-1.0, 1.0)] for step in (SMALL, LARGE)
+        )
+        there = all(small) and all(large)
+        found.append((f"s {s:g}", sum(run.gain for run in small) / sum(run.gain for run in large) - 1.0 if there else None))  # type: ignore[union-attr]
+    statement = f"Steps of {100 * SMALL:g} % have the gain of steps of {100 * LARGE:g} %, 20 kN, 1000 rpm"
+    return within("shift-small", statement, LAW, found, -SMALL_TOLERANCE, SMALL_TOLERANCE, PERCENT)
 
 
 def _heavy_shaft(bench: Bench, plan: Plan) -> Check:

@@ -19,6 +19,7 @@ from ..outcome import Column, Part, Section, Unit, curve, table
 from ..tilt import moment_of
 from .continuum import (
     IDLE_SPEED,
+    LOADS,
     SHIFT_FORCE,
     SHIFT_PLACES,
     SHIFT_SPEED,
@@ -62,7 +63,7 @@ def run(bench: Bench, plan: Plan) -> Section:
     lines = [_idle(bench, *state) for state in plan.thin(IDLE, 1)]
     for ratio in plan.thin(LOADED, 1):
         lines += _loaded(bench, ratio)
-    lines += [_gain(bench, s) for s in plan.thin(SHIFT_PLACES, 1)]
+    lines += [_gain(bench, s, load) for s in plan.thin(SHIFT_PLACES, 1) for load in (0.0, *plan.thin(LOADS, 1)[:1])]
     lines += [_slope(bench, "", {}), _slope(bench, ", ring without friction", {"friction.ring": 0.0})]
     columns = (Column("Quantity"), Column("State"), *(Column(stage) for stage in STAGES))
     rows = [[QUANTITIES[line.quantity][0], line.state, *shown(line)] for line in lines]
@@ -160,13 +161,14 @@ def _loaded(bench: Bench, ratio: float) -> list[Line]:
     ]
 
 
-def _gain(bench: Bench, s: float) -> Line:
+def _gain(bench: Bench, s: float, load: float) -> Line:
     def solve(changed: dict[str, float]) -> float | None:
-        found = shift_gain(bench, s, changed, "steps")
+        found = shift_gain(bench, s, changed, "steps", load)
         return found and found[0] / found[1] - 1.0
 
-    start = driven_at_speed(bench.parameters, 1.0 / s, SHIFT_SPEED, 0.0, SHIFT_FORCE)
-    return Line("gain", f"s {s:g}", (0.0, *_stages(bench, start, solve, QUICK)))
+    torque = load * bench.capacity(1.0 / s, SHIFT_FORCE)
+    start = driven_at_speed(bench.parameters, 1.0 / s, SHIFT_SPEED, -torque / s, SHIFT_FORCE)
+    return Line("gain", f"s {s:g}" + (f", r {load:g}" if load else ""), (0.0, *_stages(bench, start, solve, QUICK)))
 
 
 def _slope(bench: Bench, what: str, always: Mapping[str, float]) -> Line:

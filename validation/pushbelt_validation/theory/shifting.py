@@ -1,4 +1,4 @@
-"""Speed of ratio change without load, by the continuum theory of `cmm` with A not 0.
+"""Speed of ratio change by the continuum theory of `cmm` with A not 0.
 
 Sources
 -------
@@ -11,9 +11,9 @@ Law
 ---
     ds/dt = omega_P a Delta g(s) [ln(F_P/F_S) - ln(F_P/F_S)_eq],   a = (1 + cos^2 beta)/sin 2 beta
 
-s = R_P/R_S is the speed ratio, Delta the sheaves' deformation, rad, that of P where the pulleys' differ. Without load the
-torque of each pulley is zero, so its strand forces are equal, which determines the creep B of an arc for each A. The belt
-does not stretch:
+s = R_P/R_S is the speed ratio, Delta the sheaves' deformation, rad, that of P where the pulleys' differ. The torque of each
+pulley determines its strand forces, which are equal without load, and with them the creep B of an arc for each A. The creep is
+small beside the speed of the belt, which does not stretch:
 
     dR_P/dt = A_P omega_P R_P a Delta_P,   alpha_P dR_P/dt + alpha_S dR_S/dt = 0,   omega_P R_P = omega_S R_S
     hence  A_S = -A_P (alpha_P/alpha_S) Delta_P/Delta_S  and  ds/dt = omega_P a Delta s (1 + s alpha_P/alpha_S) A_P
@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import exp, log
+from math import atanh, exp, inf, log
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -45,19 +45,19 @@ SMALL = 0.1
 
 
 @lru_cache(maxsize=10_000)
-def idle_arc(wrap: float, beta: float, mu: float, shift: float) -> Arc:
-    """Arc with equal strand forces while its radius changes at A = `shift`; angles in rad."""
+def shifting_arc(wrap: float, beta: float, mu: float, shift: float, traction: float = 0.0) -> Arc:
+    """Arc with this traction while its radius changes at A = `shift`; angles in rad."""
 
-    def log_ratio(u: float) -> float:
-        return cmm.log_ratio(wrap, beta, mu, cmm.creep_of(u), shift)
+    def excess(u: float) -> float:
+        return cmm.log_ratio(wrap, beta, mu, cmm.creep_of(u), shift) - 2.0 * atanh(traction)
 
-    u = float(brentq(log_ratio, -WIDEST, WIDEST, xtol=1.0e-12))
+    u = float(brentq(excess, -WIDEST, WIDEST, xtol=1.0e-12))
     return cmm.arc_at_creep(wrap, beta, mu, cmm.creep_of(u), shift)
 
 
 @dataclass(frozen=True)
 class Shift:
-    """Solution for a belt without load whose ratio changes."""
+    """Solution for a belt whose ratio changes."""
 
     primary: Arc
     secondary: Arc
@@ -83,20 +83,26 @@ class Belt:
     pitch_length: float
     """m."""
 
-    def shift(self, speed_ratio: float, primary_shift: float, openings: float = 1.0) -> Shift:
-        """Solution at s = R_P/R_S with A_P on the primary pulley; `openings` is Delta_P/Delta_S."""
+    def shift(self, speed_ratio: float, primary_shift: float, openings: float = 1.0, torque: float = 0.0) -> Shift:
+        """Solution at s = R_P/R_S with A_P on the primary pulley; `openings` is Delta_P/Delta_S, `torque` T_P/(S_S R_P)."""
         wrap_p, wrap_s, _, _ = cmm.wrap_angles(1.0 / speed_ratio, self.center_distance, self.pitch_length)
-        primary = idle_arc(wrap_p, self.beta, self.mu, primary_shift)
-        secondary = idle_arc(wrap_s, self.beta, self.mu, -primary_shift * openings * wrap_p / wrap_s)
+
+        def secondary_at(traction: float) -> Arc:
+            return shifting_arc(wrap_s, self.beta, self.mu, -primary_shift * openings * wrap_p / wrap_s, traction)
+
+        secondary, traction = secondary_at(0.0), inf
+        while abs((following := 0.5 * torque * secondary.thrust) - traction) > 1.0e-10:
+            traction, secondary = following, secondary_at(following)
+        primary = shifting_arc(wrap_p, self.beta, self.mu, primary_shift, -traction)
         return Shift(primary, secondary, speed_ratio * (1.0 + speed_ratio * wrap_p / wrap_s) * primary_shift)
 
     def equilibrium(self, speed_ratio: float) -> float:
         """ln(F_P/F_S) that holds a speed ratio without load."""
         return self.shift(speed_ratio, 0.0).log_thrust_ratio
 
-    def gain(self, speed_ratio: float, openings: float = 1.0) -> float:
-        """g(s): ds/dt in units of omega_P a Delta_P per unit of ln(F_P/F_S), about equilibrium."""
-        up, down = (self.shift(speed_ratio, sign * SMALL, openings) for sign in (1.0, -1.0))
+    def gain(self, speed_ratio: float, openings: float = 1.0, torque: float = 0.0) -> float:
+        """g(s): ds/dt in units of omega_P a Delta_P per unit of ln(F_P/F_S), about equilibrium at T_P/(S_S R_P)."""
+        up, down = (self.shift(speed_ratio, sign * SMALL, openings, torque) for sign in (1.0, -1.0))
         return (up.rate - down.rate) / (up.log_thrust_ratio - down.log_thrust_ratio)
 
 
