@@ -36,6 +36,8 @@ TOLERANCES = {RingModel.ALE: 0.025, RingModel.ALE0: 0.06}
 SLIPS = (0.01, 0.015, 0.02, 0.03, 0.04)
 CAPACITY_TOLERANCE, GAIN_TOLERANCE, TENSION_TOLERANCE = 0.03, 0.05, 0.03
 SHIFT_PLACES = (0.8, 1.0, 1.25)
+TWICE = {"mesh.primaryArc": 32, "mesh.secondaryArc": 32, "mesh.strand": 20}
+"""With the default mesh the gain at s 1.6 and 0.7 of the torque is 15 % above the theory's, with this one 3 %."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ def run(bench: Bench, plan: Plan) -> Section:
         ]
         capacities = [(f"s {s:g}", _capacity(chain, s)) for s in plan.thin(PLACES, 1)]
         gains = [(f"s {s:g}", _gain(chain, s)) for s in plan.thin(SHIFT_PLACES, 1)]
-        loaded = loaded_gains(chain, plan, QUICK, "chain")
+        loaded = loaded_gains(chain, plan, {**QUICK, **TWICE}, "chain")
     thrusts = [
         within(
             f"chain-thrust-{ring.name}", f"Thrust ratio of a chain, {ring.name}", THEORY,
@@ -87,7 +89,7 @@ def run(bench: Bench, plan: Plan) -> Section:
             ),
             within("chain-gain", "Speed of ratio change of a chain without load per unit of ln F_P", THEORY, gains, -GAIN_TOLERANCE, GAIN_TOLERANCE, PERCENT),
             within(
-                "chain-gain-loaded", "The same under 0.4 and 0.7 of the torque of full slip",
+                "chain-gain-loaded", "The same under 0.4 and 0.7 of the torque of full slip, twice the elements",
                 THEORY, loaded, -LOADED_TOLERANCE, LOADED_TOLERANCE, PERCENT,
             ),
         ),

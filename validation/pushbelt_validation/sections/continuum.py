@@ -49,7 +49,7 @@ def run(bench: Bench, plan: Plan) -> Section:
     idle, idle_check = _without_torque(bench, plan)
     shifts, shift_check = _shifts(bench, plan)
     loaded = loaded_gains(bench, plan, {**OFF, **QUICK}, "limit")
-    statement = "The same under 0.4 and 0.7 of the torque of full slip"
+    statement = "The same under 0.4 and 0.7 of the torque of full slip, steps up and down"
     loaded_check = within("limit-gain-loaded", statement, THEORY, loaded, -LOADED_TOLERANCE, LOADED_TOLERANCE, PERCENT)
     return Section(
         "theory",
