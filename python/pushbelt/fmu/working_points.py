@@ -36,6 +36,7 @@ FIRST_SLIP, SLIP_FACTOR, MOST_SLIP = 0.01, 1.4, 0.6
 HALVINGS = 3  # Of the interval of slips, by its logarithm, in which the traction has its peak
 TRIED = 1.01
 """Utilisation up to which points are tried, relative to that at capacity: the search ends just before the peak of the traction."""
+HELD = 0.95  # Largest utilisation of shifts, relative to that at capacity
 WINDOW = (0.06, 0.12)
 """Start and end of the window for the mean slope in a shift measurement, s after the jump: after its transient, before the ratio changes much."""
 TIME_STEP = 0.01  # Largest communication step in it, s
@@ -111,7 +112,7 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
 
     def rates(utilisation: float) -> list[float] | list[None]:
         try:
-            return shift_rates(states, line, utilisation if least < utilisation < most else 0.0, along.excesses)
+            return shift_rates(states, line, min(max(utilisation, HELD * least), HELD * most), along.excesses)
         except UnitError:
             return [None] * len(along.excesses)
 
