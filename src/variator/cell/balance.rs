@@ -9,8 +9,9 @@
 //! of ring and element velocity at the innermost layer, drag of the ring's layers on that of the
 //! ring, drag of elements that start to turn on V, the push force on the shortening of the stack.
 //! The elastic force of the flanks along the belt is −∂E/∂ξ, E their energy per length; it is
-//! integrated by parts, so the mean of E over a cell acts like a push force. Power between ring, stack and pulleys is thus balanced, and moments on the arcs are but for the
-//! couple of layers that turn against each other.
+//! integrated by parts, so the mean of E over a cell acts like a push force. Power between ring,
+//! stack and pulleys is thus balanced, and moments on the arcs are but for the couple of layers
+//! that turn against each other.
 //!
 //! A pull chain has neither stack nor ring friction. Its pins move with the ring, on which the
 //! forces along the belt act.
