@@ -21,10 +21,14 @@ pub struct Case {
     pub parameters: Parameters,
     /// Loads, and what this model has beside the parameters.
     pub options: Options,
+    /// Force on the primary cone after the step of a shift, N; before it the cone holds the ratio.
+    pub primary_force: Option<f64>,
 }
 
 /// Speed with which the controller of the ratio settles, 1/s.
 const RATIO_RATE: f64 = 20.0;
+/// Duration of a shift, s, as in the validation of the FMU.
+pub const SHIFT: f64 = 0.12;
 /// Times over which force and torque rise at the start, s.
 const FORCE_RISE: f64 = 0.01;
 const TORQUE_RISE: f64 = 0.02;
@@ -58,6 +62,7 @@ impl Case {
             share: share.parse().map_err(|_| error())?,
             parameters: Parameters::default(),
             options: Options::default(),
+            primary_force: None,
         })
     }
 
@@ -72,6 +77,7 @@ impl Case {
             ("start-ratio", self.started(), [lowest, highest]),
             ("force", of.force, [100.0, 2.0e5]),
             ("share", self.share, [-MOST, MOST]),
+            ("shift", of.shift.unwrap_or(0.0), [-1.0, 1.0]),
             ("speed", of.speed, [1.0, 2.0e3]),
             ("duration", self.duration(), [1.0e-4, 100.0]),
             ("step", self.step(), [1.0e-9, 1.0e-4]),
@@ -95,7 +101,8 @@ impl Case {
     /// Duration, s.
     pub fn duration(&self) -> f64 {
         let slow = !(0.6..=1.6).contains(&self.ratio) || self.options.speed < 100.0;
-        self.options.duration.unwrap_or(if slow { 0.5 } else { 0.3 })
+        let held = self.options.duration.unwrap_or(if slow { 0.5 } else { 0.3 });
+        held + self.primary_force.map_or(0.0, |_| SHIFT)
     }
 
     /// Time step, s.
@@ -154,7 +161,7 @@ impl Case {
         let force = self.options.force * rise(FORCE_RISE);
         machine.drive = [
             (Shaft::Torque(torque), Cone::Force(force)),
-            (Shaft::Speed, Cone::Speed(speed)),
+            (Shaft::Speed, self.primary_force.map_or(Cone::Speed(speed), Cone::Force)),
         ];
     }
 }

@@ -17,12 +17,10 @@ use crate::belt::{Belt, Vector};
 use crate::law::Law;
 use crate::pulleys::{Load, Pulley};
 use pushbelt::contact::{FlankMotion, flank_force};
-use pushbelt::pulley::Wedge;
 use pushbelt::scalar::{LANES, Lanes, Real as _};
 
 /// Clearance in roughnesses from which a flank doesn't touch: e^−40.
 const APART: f64 = 40.0;
-
 /// Sliding below which the secant of the friction is that at rest, m/s.
 const AT_REST: f64 = 1.0e-9;
 
@@ -115,11 +113,7 @@ impl Flanks {
 
     /// The elements that touch, and how they move on their sheaves.
     fn find(&mut self, law: &Law, pulleys: &[Pulley; 2], belt: &Belt) {
-        let Wedge {
-            sin: sin_beta,
-            cos: cos_beta,
-            tan: tan_beta,
-        } = law.wedge;
+        let (sin_beta, cos_beta, tan_beta) = (law.wedge.sin, law.wedge.cos, law.wedge.tan);
         let middle = 0.5 * (law.axes[0] + law.axes[1]);
         let apart = -APART * law.unit_damped.roughness;
         for (i, place) in belt.p.iter().enumerate().take(law.count + 1).skip(1) {
@@ -147,26 +141,16 @@ impl Flanks {
                 tangential: v_t - p.omega * rho,
                 along_flank: v_r * cos_beta + (surface - p.omega * rho * slope) * sin_beta,
             };
-            self.touches.push(Touch {
-                element: i,
-                pulley: j,
-                turned,
-                around,
-                rho,
-                slopes,
-                motion,
-                ..Touch::default()
-            });
+            let mut touch = Touch::default();
+            (touch.element, touch.pulley, touch.turned, touch.around) = (i, j, turned, around);
+            (touch.rho, touch.slopes, touch.motion) = (rho, slopes, motion);
+            self.touches.push(touch);
         }
     }
 
     /// What the pulleys get after the speeds have changed by `change`.
     pub fn loads(&self, law: &Law, dt: f64, change: &[Vector]) -> [Load; 2] {
-        let Wedge {
-            sin: sin_beta,
-            cos: cos_beta,
-            ..
-        } = law.wedge;
+        let (sin_beta, cos_beta) = (law.wedge.sin, law.wedge.cos);
         let mut loads = [Load::default(); 2];
         for touch in &self.touches {
             let motion = touch.moved(cos_beta, change[touch.element]);
@@ -250,21 +234,11 @@ mod tests {
     #[test]
     fn falls_of_forces_are_differences() {
         let cos_beta = 0.98;
-        let touch = Touch {
-            turned: Vector::new(0.3, (1.0_f64 - 0.09).sqrt()),
-            slopes: [0.2, -0.03],
-            motion: FlankMotion {
-                penetration: 1.0e-6,
-                penetration_rate: 0.01,
-                tangential: 0.02,
-                along_flank: -0.01,
-            },
-            elastic: 70.0,
-            stiffness: 9.0e7,
-            damping: 270.0,
-            drag: 1500.0,
-            ..Touch::default()
-        };
+        let mut touch = Touch::default();
+        (touch.turned, touch.slopes) = (Vector::new(0.3, (1.0_f64 - 0.09).sqrt()), [0.2, -0.03]);
+        (touch.elastic, touch.damping, touch.drag) = (70.0, 270.0, 1500.0);
+        touch.motion.penetration_rate = 0.01;
+        (touch.motion.tangential, touch.motion.along_flank) = (0.02, -0.01);
         let force = |change: Vector| touch.forces(cos_beta, &touch.moved(cos_beta, change)).0;
         let [tt, to, oo] = touch.fall(cos_beta);
         for (change, expected) in [(1.0e-3.into(), [tt, to]), (Vector::new(0.0, 1.0e-3), [to, oo])] {

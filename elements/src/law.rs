@@ -1,12 +1,12 @@
 //! Constants of the laws, from the parameters of the FMU.
 
-use crate::oil::Oil;
+use crate::stack::Oil;
 use pushbelt::contact::Contact;
 use pushbelt::pulley::Wedge;
 use pushbelt::variator::settings::{ParameterError, Parameters, PulleyParameters};
 
 /// What this model has beside the FMU's parameters, and the loads of a case.
-#[derive(Clone, Debug, clap::Parser)]
+#[derive(Clone, Debug, PartialEq, clap::Parser)]
 pub struct Options {
     /// Closing force of the secondary pulley, N
     #[arg(long, default_value_t = 15.0e3)]
@@ -14,11 +14,14 @@ pub struct Options {
     /// Speed of the primary pulley, rad/s
     #[arg(long, default_value_t = 209.0)]
     pub speed: f64,
+    /// Step of ln F_P after the held state; the result is the speed of the ratio 60 to 120 ms after it
+    #[arg(long, allow_negative_numbers = true)]
+    pub shift: Option<f64>,
     /// Ratio at the start [default: that of the case]
     #[arg(long)]
     pub start_ratio: Option<f64>,
-    /// Duration, s, whose last quarter is the result [default: 0.3, at both end ratios or below 100
-    /// rad/s 0.5]
+    /// Duration, s, without that of a shift; its last quarter is the result [default: 0.3, at both
+    /// end ratios or below 100 rad/s 0.5]
     #[arg(long)]
     pub duration: Option<f64>,
     /// Time step, s [default: 2e-6 at a primary speed of 200 rad/s, in proportion to 1/speed, at
@@ -103,7 +106,7 @@ impl Law {
         if !(50.0..=1e5).contains(&count) {
             return error(name, thickness, "50 to 100000 elements in the belt");
         }
-        let Some(r0) = parameters.pitch_radii(1.0).map(|radii| radii.primary) else {
+        let Some(radii) = parameters.pitch_radii(1.0) else {
             return error(
                 "geometry.beltLength",
                 geometry.belt_length,
@@ -130,7 +133,7 @@ impl Law {
                 cos: beta.cos(),
                 tan: beta.tan(),
             },
-            r0,
+            r0: radii.primary,
             axes: [0.0, geometry.center_distance],
             parameters: parameters.clone(),
         })

@@ -10,8 +10,7 @@
 //! | [`case`] | ratio, force, share of the torque of full slip, speed; start; controller |
 //! | [`law`] | constants from the parameters of the FMU, and what this model has beside them |
 //! | [`belt`] | places, speeds, chords and frames of the elements |
-//! | [`oil`] | the film between two elements |
-//! | [`stack`], [`ring`], [`flanks`] | forces between elements, of the ring, at the sheaves |
+//! | [`stack`], [`ring`], [`flanks`] | forces between elements, with oil, of the ring, at the sheaves |
 //! | [`pulleys`] | shafts, cones and tilt |
 //! | [`cyclic`] | the equations along the belt |
 //! | [`machine`] | the step, energies and losses, checks |
@@ -57,7 +56,6 @@ pub mod cyclic;
 pub mod flanks;
 pub mod law;
 pub mod machine;
-pub mod oil;
 pub mod pulleys;
 pub mod ring;
 pub mod run;

@@ -234,31 +234,31 @@ impl Machine {
         }
     }
 
-    /// Stored energy by part, J: motion of elements and ring, stack, stretch, bending, flanks,
-    /// pulleys.
-    pub fn energies(&self) -> [f64; 6] {
+    /// Stored energy, J: motion of elements and ring, stack, stretch, bending, flanks, pulleys.
+    pub fn energy(&self) -> f64 {
         let (law, belt, ring) = (&self.law, &self.belt, &self.ring);
         let (of, contact) = (&law.parameters.ring, &law.parameters.contact);
-        let mut parts = [0.0; 6];
+        let mut energy = 0.0;
         for i in 1..=law.count {
             let (v, u, w) = (belt.v[i].re, belt.v[i].im, belt.w[i]);
-            parts[0] += 0.5 * (law.mass * (v * v + u * u) + ring.mass[i] * (w * w + u * u));
+            energy += 0.5 * (law.mass * (v * v + u * u) + ring.mass[i] * (w * w + u * u));
             let overlap = law.thickness - belt.length[i];
-            parts[1] += law.push_stiffness * soft_plus_energy(overlap, law.parameters.belt.roughness);
+            energy += law.push_stiffness * soft_plus_energy(overlap, law.parameters.belt.roughness);
             let strain = ring.length[i] / ring.steel[i] - 1.0;
-            parts[2] += 0.5 * of.axial_stiffness * strain * strain * ring.steel[i];
+            energy += 0.5 * of.axial_stiffness * strain * strain * ring.steel[i];
             let bent = 0.5 * of.bending_stiffness * ring.angle[i].powi(2);
-            parts[3] += bent * of.mass_per_length / ring.mass[i];
+            energy += bent * of.mass_per_length / ring.mass[i];
         }
         for touch in &self.flanks.touches {
             let penetration = touch.motion.penetration;
             let depth = penetration.soft_plus(contact.roughness).value;
-            parts[4] += 2.0 * law.thickness * energy_density(contact, law.wedge.cos, penetration, depth);
+            energy += 2.0 * law.thickness * energy_density(contact, law.wedge.cos, penetration, depth);
         }
-        for (j, of) in law.pulleys().into_iter().enumerate() {
-            parts[5] += self.pulleys[j].energy(of, self.drive[j].0);
-        }
-        parts
+        let pulleys = self.pulleys.iter().zip(law.pulleys()).zip(&self.drive);
+        energy
+            + pulleys
+                .map(|((pulley, of), drive)| pulley.energy(of, drive.0))
+                .sum::<f64>()
     }
 
     /// Checks the state.
@@ -271,17 +271,18 @@ impl Machine {
         let fault = |element, cause| Err(Fault { element, time, cause });
         for i in 1..=law.count {
             let (p, v, gap) = (belt.p[i], belt.v[i], belt.length[i] - law.thickness);
-            if !(p.is_finite() && v.is_finite() && belt.w[i].is_finite() && belt.s[i].is_finite()) {
-                return fault(i, format!("its state is no number; a step smaller than {dt} s may do"));
-            }
-            if v.im.abs() > LOST {
-                let advice = format!("a step smaller than {dt} s may hold it");
-                return fault(i, format!("it leaves the belt at {:.1} m/s; {advice}", v.im));
-            }
-            if !(-0.1 * law.thickness..=law.thickness).contains(&gap) {
-                let advice = "the belt is torn or the step too large";
-                return fault(i, format!("the gap behind it is {:.3} mm: {advice}", 1e3 * gap));
-            }
+            let cause = if !(p + v + belt.w[i] + belt.s[i]).is_finite() {
+                format!("its state is no number; a step smaller than {dt} s may do")
+            } else if v.im.abs() > LOST {
+                let speed = v.im;
+                format!("it leaves the belt at {speed:.1} m/s; a step smaller than {dt} s may hold it")
+            } else if !(-0.1 * law.thickness..=law.thickness).contains(&gap) {
+                let gap = 1e3 * gap;
+                format!("the gap behind it is {gap:.3} mm: the belt is torn or the step too large")
+            } else {
+                continue;
+            };
+            return fault(i, cause);
         }
         for (j, (name, of)) in ["secondary", "primary"].into_iter().zip(law.pulleys()).enumerate() {
             let travel = Travel::new(of.min_radius..=of.max_radius, law.r0, &law.wedge);

@@ -1,6 +1,7 @@
 //! `cargo fmu elements CASE…`: runs cases of single elements.
 
 mod continuum;
+mod report;
 
 use clap::Parser as _;
 use pushbelt::fmi::table::{Kind, Value};
@@ -8,7 +9,7 @@ use pushbelt::variator::settings::parameters;
 use pushbelt_archive::Archive;
 use pushbelt_elements::case::Case;
 use pushbelt_elements::law::Options;
-use pushbelt_elements::run::{Run, header};
+use pushbelt_elements::run::{Run, csv, header};
 use std::error::Error;
 use std::fs;
 use std::io::{IsTerminal as _, Write as _};
@@ -19,32 +20,31 @@ use std::time::Instant;
 /// Runs a belt of single elements, in steady states held at a ratio.
 ///
 /// A case is RATIO-SHARE: a geometric ratio (low, under, medium, over, od or a number), and the
-/// torque over that of full slip. `short` is the set medium-0.4, medium-0.6, od-0.6, od-0.
+/// torque over that of full slip. Sets of cases with their settings are in
+/// elements/results/sets.txt: short, loads, ladders, limit, laws, torque-free, idle, play, traction,
+/// rigid, oil, shifts.
 #[derive(clap::Parser)]
 #[command(name = "cargo fmu elements", bin_name = "cargo fmu elements")]
 struct Arguments {
-    /// Cases, as medium-0.4
+    /// Cases, as medium-0.4, or sets, as torque-free
     #[arg(required = true)]
     cases: Vec<String>,
     /// Folder of the results: CASE.csv (each millisecond), CASE-fields.csv (along the belt),
-    /// results.csv (a line a case)
+    /// results.csv, shifts.csv or SET.csv (a line a case)
     #[arg(long, default_value = "target/elements", overrides_with = "output")]
     output: PathBuf,
     /// The file of the lines, a line a case; a line of the same case and settings is replaced
     #[arg(long)]
     results: Option<PathBuf>,
     #[command(flatten)]
-    options: Options,
-    /// A parameter of the FMU, as belt.play=4e-4
-    #[arg(long = "set", value_name = "NAME=VALUE")]
-    settings: Vec<String>,
-    /// A word in the names of the files and lines
-    #[arg(long)]
-    label: Option<String>,
+    settings: Settings,
     /// Solve the cases with the FMU's model instead, on two meshes and with `ALE0`, and write the
-    /// lines to continuum.csv
+    /// lines to continuum.csv, those of shifts to shifts-continuum.csv
     #[arg(long)]
     continuum: bool,
+    /// Write CASE.html too, which plays two revolutions of the belt after the end of the run
+    #[arg(long)]
+    report: bool,
     /// Start again, also where a stored state could go on
     #[arg(long)]
     restart: bool,
@@ -53,32 +53,56 @@ struct Arguments {
     store: u64,
 }
 
-/// The cases against which the prototype's figures stand.
-const SHORT: [&str; 4] = ["medium-0.4", "medium-0.6", "od-0.6", "od-0"];
+/// Settings of a case.
+#[derive(PartialEq, clap::Parser)]
+struct Settings {
+    #[command(flatten)]
+    options: Options,
+    /// A parameter of the FMU, as belt.play=4e-4
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    parameters: Vec<String>,
+    /// A word in the names of the files and lines
+    #[arg(long)]
+    label: Option<String>,
+}
+
+/// Lines of a set's name, a case and its settings.
+const SETS: &str = include_str!("../results/sets.txt");
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let mut failed = false;
-    let names = arguments.cases.iter().flat_map(|name| match name.as_str() {
-        "short" => SHORT.map(str::to_owned).to_vec(),
-        _ => vec![name.clone()],
-    });
-    for name in names {
-        if let Err(error) = one(&arguments, &name) {
+    let mut note = |name: &str, outcome: Result<(), Box<dyn Error>>| {
+        if let Err(error) = outcome {
             eprintln!("{name}: {error}");
             failed = true;
+        }
+    };
+    for name in &arguments.cases {
+        let lines = SETS.lines().filter_map(|l| l.strip_prefix(name)?.strip_prefix(' '));
+        if lines.clone().count() == 0 {
+            note(name, one(&arguments, name, &arguments.settings, None));
+        } else if arguments.settings != Settings::parse_from([""]) {
+            note(name, Err("a set's cases have settings of their own".into()));
+            continue;
+        }
+        for line in lines {
+            // The case stands for the program's name.
+            let (case, settings) = (line.split(' ').next(), Settings::parse_from(line.split(' ')));
+            let case = case.unwrap_or(line);
+            note(case, one(&arguments, case, &settings, Some(name)));
         }
     }
     if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-fn case(arguments: &Arguments, name: &str) -> Result<Case, Box<dyn Error>> {
+fn case(settings: &Settings, name: &str) -> Result<Case, Box<dyn Error>> {
     let mut case = Case::named(name)?;
-    if let Some(label) = &arguments.label {
+    if let Some(label) = &settings.label {
         case.name = format!("{name}-{label}");
     }
-    case.options = arguments.options.clone();
-    for setting in &arguments.settings {
+    case.options = settings.options.clone();
+    for setting in &settings.parameters {
         let error = |cause: String| format!("--set {setting}: {cause}");
         let parts = setting.split_once('=');
         let (name, value) = parts.ok_or_else(|| error("NAME=VALUE is expected".to_owned()))?;
@@ -96,27 +120,75 @@ fn case(arguments: &Arguments, name: &str) -> Result<Case, Box<dyn Error>> {
     Ok(case)
 }
 
+/// Columns of shifts behind the case: the held state, the step of ln F_P, ds/dt in 1/s, and that
+/// over the step.
+const SHIFT_COLUMNS: &str = "ratio,thrustRatio,step,rate,gain";
+
 /// Runs a case, or what is left of it.
-fn one(arguments: &Arguments, name: &str) -> Result<(), Box<dyn Error>> {
-    let case = case(arguments, name)?;
-    let results = |name: &str| arguments.results.clone().unwrap_or_else(|| arguments.output.join(name));
-    if arguments.continuum {
+fn one(of: &Arguments, name: &str, settings: &Settings, set: Option<&str>) -> Result<(), Box<dyn Error>> {
+    let case = case(settings, name)?;
+    let step = case.options.shift;
+    let name = step.map_or_else(|| case.name.clone(), |step| format!("{}-shift{step:+}", case.name));
+    let add = |file: &str, columns: &str, name: &str, line: &str| {
+        let usual = of.output.join(format!("{file}.csv"));
+        add_line(
+            of.results.as_ref().unwrap_or(&usual),
+            &format!("case,{columns}"),
+            name,
+            line,
+        )
+    };
+    if of.continuum {
         for model in continuum::MODELS {
-            let name = format!("{},{}", case.name, model.0);
+            let name = format!("{name},{}", model.0);
             match continuum::line(&case, model) {
-                Ok(line) => {
-                    println!("{name},{line}");
-                    let header = format!("case,model,{}", continuum::COLUMNS);
-                    add_line(&results("continuum.csv"), &header, &name, &line)?;
-                }
                 Err(error) => eprintln!("{name}: {error}"),
+                Ok(line) if step.is_none() => add("continuum", continuum::COLUMNS, &name, &line)?,
+                Ok(line) => add("shifts-continuum", &format!("model,{SHIFT_COLUMNS}"), &name, &line)?,
             }
         }
         return Ok(());
     }
+    let mut held = case.clone();
+    held.options.shift = None;
+    let run = complete(of, Run::new(held)?)?;
+    if let Some(step) = step {
+        run.check_steady()?;
+        let held = run.quarter(1);
+        let mut shift = run.shifted(step);
+        shift.case.name.clone_from(&name);
+        let rate = complete(of, shift)?.shift_rate();
+        println!("{name}: {rate:.4} 1/s, {:.4} 1/s over the step", rate / step);
+        let line = csv(&[held.ratio(), held.thrust_ratio(), step, rate, rate / step]);
+        return Ok(add(set.unwrap_or("shifts"), SHIFT_COLUMNS, &name, &line)?);
+    }
+    write(&of.output.join(format!("{name}-fields.csv")), run.fields_csv())?;
+    let result = run.quarter(1);
+    add(set.unwrap_or("results"), &header(), &name, &result.line())?;
+    let (ratio, thrust_ratio, [idle_s, idle_p]) = (result.ratio(), result.thrust_ratio(), result.arcs);
+    let [least, most] = result.push_force;
+    let shares = [result.slip(), result.efficiency(), result.residual()];
+    let [slip, efficiency, residual] = shares.map(|share| 100.0 * share);
+    let figures = format!(
+        "ratio {ratio:.4}, thrust ratio {thrust_ratio:.4}, slip {slip:.4} %, \
+         efficiency {efficiency:.3} %, idle arcs S {idle_s:.2}, P {idle_p:.2} rad, \
+         push force {least:.1} to {most:.0} N, energy to {residual:.4} % of what passes"
+    );
+    println!("{name}: {figures}");
+    run.check_steady()?;
+    if of.report {
+        let file = of.output.join(format!("{name}.html"));
+        write(&file, report::page(run, &figures)?)?;
+        println!("{}", file.display());
+    }
+    Ok(())
+}
+
+/// The run at its end, from the state that its file holds.
+fn complete(arguments: &Arguments, mut run: Run) -> Result<Run, Box<dyn Error>> {
+    let case = run.case.clone();
     let file = |suffix: &str| arguments.output.join(format!("{}{suffix}", case.name));
     let (stored, settings) = (file(".state"), format!("{case:?}"));
-    let mut run = Run::new(case.clone())?;
     if !arguments.restart
         && let Some(again) = read(&run, &stored, &settings)
     {
@@ -135,25 +207,7 @@ fn one(arguments: &Arguments, name: &str) -> Result<(), Box<dyn Error>> {
         }
         progress(&run, (run.steps - from) as f64 / clock.elapsed().as_secs_f64());
     }
-    if std::io::stderr().is_terminal() {
-        eprintln!();
-    }
-    outcome?;
-    write(&file("-fields.csv"), run.fields_csv())?;
-    let (result, [idle_s, idle_p]) = (run.quarter(1), run.idle_arcs());
-    let line = format!("{},{idle_s:.3},{idle_p:.3}", result.line());
-    let header = format!("case,{},secondary.idleArc,primary.idleArc", header());
-    add_line(&results("results.csv"), &header, &case.name, &line)?;
-    let (ratio, thrust_ratio, [least, most]) = (result.ratio(), result.thrust_ratio(), result.push_force);
-    let shares = [result.slip(), result.efficiency(), result.residual()];
-    let [slip, efficiency, residual] = shares.map(|share| 100.0 * share);
-    println!(
-        "{}: ratio {ratio:.4}, thrust ratio {thrust_ratio:.4}, slip {slip:.4} %, \
-         efficiency {efficiency:.3} %, idle arcs S {idle_s:.2}, P {idle_p:.2} rad, \
-         push force {least:.1} to {most:.0} N, energy to {residual:.4} % of what passes",
-        case.name
-    );
-    Ok(run.check_steady()?)
+    Ok(outcome.map(|()| run)?)
 }
 
 fn progress(run: &Run, steps_per_second: f64) {
@@ -161,7 +215,8 @@ fn progress(run: &Run, steps_per_second: f64) {
     let (time, percent) = (machine.time, 100.0 * machine.time / duration);
     let speed = steps_per_second * machine.law.count as f64;
     let left = (duration - time) / machine.dt / steps_per_second;
-    let last = if std::io::stderr().is_terminal() { "\r" } else { "\n" };
+    let stays = run.is_done() || !std::io::stderr().is_terminal();
+    let last = if stays { "\n" } else { "\r" };
     eprint!("{} {percent:3.0} %, {time:.4} s, ", run.case.name);
     eprint!("{speed:.2e} element steps a second, {left:.0} s left   {last}");
     let _ = std::io::stderr().flush();

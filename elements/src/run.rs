@@ -1,7 +1,7 @@
 //! A run of a case: means over milliseconds, fields along the belt, and a state from which it goes
 //! on.
 
-use crate::case::{Case, Path, short};
+use crate::case::{Case, Path, SHIFT, short};
 use crate::machine::{Fault, Ledger, Machine};
 use pushbelt::variator::settings::ParameterError;
 use pushbelt_archive::Archive;
@@ -47,12 +47,19 @@ pub struct Row {
     pub push_force: [f64; 2],
     /// Number of open gaps.
     pub open: f64,
+    /// Idle arcs, rad: from the entry on, up to where the push force of the interval has changed by
+    /// 10 % of its difference between the strands from that of the strand before.
+    pub arcs: [f64; 2],
+    /// Least and largest slip of the intervals.
+    pub slips: [f64; 2],
 }
 
 /// Names of the columns before those of the [`Ledger`], of which W are given.
 const COLUMNS: &str = "time,ratio,thrustRatio,slip,efficiency,secondary.axialForce,\
     primary.axialForce,secondary.radius,primary.radius,secondary.speed,primary.speed,\
     secondary.beltTorque,primary.beltTorque,pushForceMin,pushForceMax,openGaps,residual";
+/// Those behind them.
+const LAST: &str = "secondary.idleArc,primary.idleArc,slipMin,slipMax";
 
 impl Row {
     /// r_S/r_P of the running mean radii.
@@ -77,38 +84,34 @@ impl Row {
         if from > 1.0 && to > 0.0 { to / from } else { 0.0 }
     }
 
-    /// Work less losses less the change of the stored energy, J.
-    fn surplus(&self) -> f64 {
-        self.ledger.work() - self.ledger.losses() - self.stored
-    }
-
-    /// The same over the energy that passes.
+    /// Work less losses less the change of the stored energy, over the energy that passes.
     pub fn residual(&self) -> f64 {
-        self.surplus() / self.ledger.0[0].abs().max(self.ledger.0[1].abs())
+        let surplus = self.ledger.work() - self.ledger.losses() - self.stored;
+        surplus / self.ledger.0[0].abs().max(self.ledger.0[1].abs())
     }
 
-    /// The same over the losses.
-    pub fn residual_of_losses(&self) -> f64 {
-        self.surplus() / self.ledger.losses()
+    /// The row of an interval that begins.
+    fn empty() -> Self {
+        let mut row = Self::default();
+        (row.push_force, row.slips) = (NONE, NONE);
+        row
     }
 
     /// The mean of rows.
     pub fn mean(rows: &[Self]) -> Self {
-        let count = rows.len() as f64;
-        let mut mean = Self {
-            push_force: NONE,
-            ..Self::default()
-        };
+        let (count, mut mean) = (rows.len() as f64, Self::empty());
         for row in rows {
             mean.time = mean.time.max(row.time);
             mean.duration += row.duration;
             mean.stored += row.stored;
             mean.open += row.open / count;
-            let means = mean.means.iter_mut().flatten().zip(row.means.iter().flatten());
+            let values = row.means.iter().flatten().chain(&row.arcs);
+            let means = mean.means.iter_mut().flatten().chain(&mut mean.arcs).zip(values);
             means.for_each(|(mean, value)| *mean += value / count);
             let ledger = mean.ledger.0.iter_mut().zip(row.ledger.0);
             ledger.for_each(|(sum, energy)| *sum += energy);
             widen(&mut mean.push_force, row.push_force);
+            widen(&mut mean.slips, row.slips);
         }
         mean
     }
@@ -125,7 +128,15 @@ impl Row {
         let [least, most] = self.push_force;
         let more = [least, most, self.open, self.residual()];
         let powers = self.ledger.0.map(|energy| energy / self.duration);
-        line(&[&ratios[..], self.means.as_flattened(), &more, &powers].concat())
+        let last = [self.arcs, self.slips];
+        csv(&[
+            &ratios[..],
+            self.means.as_flattened(),
+            &more,
+            &powers,
+            last.as_flattened(),
+        ]
+        .concat())
     }
 }
 
@@ -134,15 +145,15 @@ fn widen(limits: &mut [f64; 2], [least, most]: [f64; 2]) {
     *limits = [limits[0].min(least), limits[1].max(most)];
 }
 
-/// Values with commas between.
-fn line(values: &[f64]) -> String {
+/// Values of six digits with commas between.
+pub fn csv(values: &[f64]) -> String {
     let words: Vec<_> = values.iter().map(|value| short(*value).to_string()).collect();
     words.join(",")
 }
 
 /// Names of all columns.
 pub fn header() -> String {
-    format!("{COLUMNS},{}", Ledger::NAMES)
+    format!("{COLUMNS},{},{LAST}", Ledger::NAMES)
 }
 
 /// A run.
@@ -156,15 +167,15 @@ pub struct Run {
     pub rows: Vec<Row>,
     /// Steps so far.
     pub steps: u64,
-    /// Sums since the last row.
-    sums: [[f64; 2]; 4],
-    count: f64,
-    extremes: [f64; 2],
+    /// The interval since the last row; of the means the integrals.
+    now: Row,
     /// Ledger and stored energy at the last row.
     before: Ledger,
     energy: f64,
     /// Count, sums and sums of squares of the fields at each place.
     fields: [[f64; 1 + 2 * FIELDS]; PLACES],
+    /// Count and sum of the push forces at each place since the last row.
+    recent: [[f64; 2]; PLACES],
 }
 
 impl Run {
@@ -178,12 +189,11 @@ impl Run {
             case,
             rows: Vec::new(),
             steps: 0,
-            sums: [[0.0; 2]; 4],
-            count: 0.0,
-            extremes: NONE,
+            now: Row::empty(),
             before: Ledger::default(),
             energy: f64::NAN,
             fields: [[0.0; 1 + 2 * FIELDS]; PLACES],
+            recent: [[0.0; 2]; PLACES],
         })
     }
 
@@ -212,9 +222,9 @@ impl Run {
                 machine.pulleys.map(|pulley| pulley.omega),
                 loads.map(|load| load.torque),
             ];
-            let sums = self.sums.iter_mut().flatten().zip(values.iter().flatten());
-            sums.for_each(|(sum, value)| *sum += value);
-            self.count += 1.0;
+            let sums = self.now.means.iter_mut().flatten().zip(values.iter().flatten());
+            sums.for_each(|(sum, value)| *sum += value * machine.dt);
+            self.now.duration += machine.dt;
             if self.steps.is_multiple_of(SAMPLE) {
                 self.sample()?;
             }
@@ -226,27 +236,28 @@ impl Run {
     }
 
     fn close_row(&mut self) {
-        let machine = &self.machine;
-        let energy = machine.energies().iter().sum::<f64>();
-        let ledger = Ledger(std::array::from_fn(|k| machine.ledger.0[k] - self.before.0[k]));
+        let (machine, mut row) = (&self.machine, std::mem::replace(&mut self.now, Row::empty()));
+        let energy = machine.energy();
+        row.ledger = Ledger(std::array::from_fn(|k| machine.ledger.0[k] - self.before.0[k]));
+        // The first interval has no energy before it.
+        let surplus = row.ledger.work() - row.ledger.losses();
+        row.stored = if self.rows.is_empty() {
+            surplus
+        } else {
+            energy - self.energy
+        };
+        (row.time, self.before, self.energy) = (machine.time, machine.ledger, energy);
+        row.means = row.means.map(|pair| pair.map(|sum| sum / row.duration));
+        row.slips = [row.slip(); 2];
         let wide = machine.law.thickness + machine.law.oil.floor.min(1.0e-6);
         let gaps = &machine.belt.length[1..=machine.law.count];
-        self.rows.push(Row {
-            time: machine.time,
-            duration: self.count * machine.dt,
-            means: self.sums.map(|pair| pair.map(|sum| sum / self.count)),
-            ledger,
-            // The first interval has no energy before it.
-            stored: if self.energy.is_nan() {
-                ledger.work() - ledger.losses()
-            } else {
-                energy - self.energy
-            },
-            push_force: self.extremes,
-            open: gaps.iter().filter(|length| **length > wide).count() as f64,
-        });
-        (self.before, self.energy) = (machine.ledger, energy);
-        (self.sums, self.count, self.extremes) = ([[0.0; 2]; 4], 0.0, NONE);
+        row.open = gaps.iter().filter(|length| **length > wide).count() as f64;
+        self.rows.push(row);
+        if self.recent.iter().all(|sum| sum[0] > 0.0) {
+            let last = self.rows.len() - 1;
+            self.rows[last].arcs = self.idle_arcs();
+        }
+        self.recent = [[0.0; 2]; PLACES];
     }
 
     /// Checks the state, and adds to extremes and, in the part that is the result, to the fields.
@@ -254,11 +265,12 @@ impl Run {
         let machine = &self.machine;
         machine.check()?;
         for push in &machine.stack.push[1..=machine.law.count] {
-            widen(&mut self.extremes, [*push; 2]);
+            widen(&mut self.now.push_force, [*push; 2]);
         }
-        if machine.time < (1.0 - RESULT) * self.case.duration() || self.rows.is_empty() {
+        if self.rows.is_empty() {
             return Ok(());
         }
+        let is_result = machine.time >= (1.0 - RESULT) * self.case.duration();
         let (path, belt) = (self.path(), &machine.belt);
         for i in 1..=machine.law.count {
             let xi = path.place(belt.p[i]);
@@ -274,8 +286,10 @@ impl Run {
                 machine.flanks.of[i].sliding,
                 belt.w[i] - belt.v[i].re - machine.law.lever * omega,
             ];
-            sum[0] += 1.0;
-            for (k, value) in values.into_iter().enumerate() {
+            let recent = &mut self.recent[place];
+            *recent = [recent[0] + 1.0, recent[1] + values[0]];
+            sum[0] += f64::from(u8::from(is_result));
+            for (k, value) in values.into_iter().enumerate().filter(|_| is_result) {
                 sum[1 + 2 * k] += value;
                 sum[2 + 2 * k] += value * value;
             }
@@ -295,6 +309,19 @@ impl Run {
         let count = ((self.rows.len() as f64 * RESULT).ceil() as usize).max(1);
         let end = self.rows.len().saturating_sub((part - 1) * count);
         Row::mean(&self.rows[end.saturating_sub(count)..end])
+    }
+
+    /// The run that goes on from the end of this one with a step of ln F_P.
+    pub fn shifted(mut self, step: f64) -> Self {
+        self.case.primary_force = Some(self.quarter(1).means[0][1] * step.exp());
+        self
+    }
+
+    /// Mean of ds/dt over the second half of a shift, 1/s, s = r_P/r_S.
+    pub fn shift_rate(&self) -> f64 {
+        let (last, count) = (self.rows.len() - 1, (0.5 * SHIFT / INTERVAL).round());
+        let rise = self.rows[last].ratio().recip() - self.rows[last - count as usize].ratio().recip();
+        rise / (count * INTERVAL)
     }
 
     /// Whether the end is a steady state.
@@ -317,8 +344,8 @@ impl Run {
         } else {
             return Ok(());
         };
-        let sliding = |i: &usize| self.machine.flanks.of[*i].sliding;
-        let fastest = (1..=self.machine.law.count).max_by(|i, k| sliding(i).total_cmp(&sliding(k)));
+        let of = &self.machine.flanks.of;
+        let fastest = (1..of.len()).max_by(|i, k| of[*i].sliding.total_cmp(&of[*k].sliding));
         Err(Fault {
             element: fastest.unwrap_or(1),
             time: self.machine.time,
@@ -336,19 +363,18 @@ impl Run {
                 let mean = pair[0] / sum[0];
                 values.extend([mean, (pair[1] / sum[0] - mean * mean).max(0.0).sqrt()]);
             }
-            line(&values) + "\n"
+            csv(&values) + "\n"
         });
         format!("{FIELD_COLUMNS}\n{}", lines.collect::<String>())
     }
 
-    /// The idle arcs of S and P, rad: from the entry on, up to where the push force has changed by
-    /// 10 % of its difference between the strands from that of the strand before.
-    pub fn idle_arcs(&self) -> [f64; 2] {
+    /// Those of the [`Row`].
+    fn idle_arcs(&self) -> [f64; 2] {
         let path = self.path();
         let per_place = path.length() / PLACES as f64;
         let [s, p] = [0, 1].map(|j| path.wraps()[j] * path.radii[j]);
         let strand = path.length() - s - p;
-        let push = |k: usize| self.fields[k % PLACES][1] / self.fields[k % PLACES][0];
+        let push = |k: usize| self.recent[k % PLACES][1] / self.recent[k % PLACES][0];
         let mean = |from: f64, to: f64| {
             let places = (from / per_place).ceil() as usize..=(to / per_place) as usize;
             let count = places.clone().count() as f64;
@@ -357,20 +383,23 @@ impl Run {
         let upper = mean(0.5 * s, 0.5 * (s + strand));
         let lower = mean(0.5 * (s + strand) + p, 0.5 * s + strand + p);
         let limit = IDLE_CHANGE * (upper - lower).abs();
-        [(0, lower, 0.5 * s + strand + p, s), (1, upper, 0.5 * (s + strand), p)].map(
-            |(j, entry, from, arc)| {
-                let first = (from / per_place).ceil();
-                let change = |k: usize| (push(first as usize + k) - entry).abs();
-                let mut places = 0..(arc / per_place) as usize;
-                let Some(k) = places.find(|k| change(*k) > limit) else {
-                    return path.wraps()[j];
-                };
-                let before = if k > 0 { change(k - 1) } else { 0.0 };
-                let fraction = ((limit - before) / (change(k) - before)).clamp(0.0, 1.0);
-                let place = (first + k as f64 - 1.0 + fraction) * per_place;
-                ((place - from) / path.radii[j]).max(0.0)
-            },
-        )
+        let idle = |radius: f64, arc: f64, from: f64, entry: f64| {
+            let first = (from / per_place).ceil();
+            let change = |k: usize| (push(first as usize + k) - entry).abs();
+            let mut places = 0..(arc / per_place) as usize;
+            let Some(k) = places.find(|k| change(*k) > limit) else {
+                return arc / radius;
+            };
+            let before = if k > 0 { change(k - 1) } else { 0.0 };
+            let fraction = ((limit - before) / (change(k) - before)).clamp(0.0, 1.0);
+            let place = (first + k as f64 - 1.0 + fraction) * per_place;
+            ((place - from) / radius).max(0.0)
+        };
+        let [entry_s, entry_p] = [0.5 * s + strand + p, 0.5 * (s + strand)];
+        [
+            idle(path.radii[0], s, entry_s, lower),
+            idle(path.radii[1], p, entry_p, upper),
+        ]
     }
 
     /// Rows so far, CSV.
@@ -383,13 +412,10 @@ impl Run {
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.machine.serialize(archive);
         archive.counter(&mut self.steps);
-        archive.reals(self.sums.as_flattened_mut());
-        let [least, most] = &mut self.extremes;
-        for value in [&mut self.count, &mut self.energy, least, most] {
-            archive.any_real(value);
-        }
+        archive.any_real(&mut self.energy);
         archive.reals(&mut self.before.0);
         archive.reals(self.fields.as_flattened_mut());
+        archive.reals(self.recent.as_flattened_mut());
         let mut rows = self.rows.len() as u64;
         archive.counter(&mut rows);
         if archive.is_reading() {
@@ -397,12 +423,16 @@ impl Run {
             let most = (self.case.duration() / INTERVAL) as usize + 1;
             self.rows = vec![Row::default(); most.min(rows as usize)];
         }
-        for row in &mut self.rows {
+        for row in self.rows.iter_mut().chain([&mut self.now]) {
             for value in [&mut row.time, &mut row.duration, &mut row.stored, &mut row.open] {
                 archive.real(value);
             }
             archive.reals(row.means.as_flattened_mut());
-            archive.reals(&mut row.push_force);
+            archive.reals(&mut row.arcs);
+            // Of an interval that has just begun they are infinite.
+            for value in row.push_force.iter_mut().chain(&mut row.slips) {
+                archive.any_real(value);
+            }
             archive.reals(&mut row.ledger.0);
         }
     }

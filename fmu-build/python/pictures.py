@@ -1,5 +1,5 @@
 """Takes the docs' pictures of reports: `cargo fmu demo`, then `target/venv/bin/python fmu-build/python/pictures.py demo`; the same for paper,
-validate, drive and live.
+validate, drive and live. `elements` draws from `elements/results`.
 
 A picture carries a hash of the stored results that belong to what it shows, and a test compares it with those of today. It needs the distribution's Chromium. Options: the report, and the file to write, or the folder for the figures.
 """
@@ -19,6 +19,7 @@ from playwright.sync_api import Browser
 
 ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / "python"), str(ROOT / "tests" / "python")]
+import elements  # noqa: E402
 import reports  # noqa: E402
 
 WIDTH, HEIGHT = 1206, 1090  # Size of the part of the page, px
@@ -33,7 +34,7 @@ MODEL = "resources/reference/smoke-test-ref.csv"
 """Outputs of the model, renewed when its physics change."""
 STORED = {
     "report.png": ("demo", MODEL), "live.png": ("live", MODEL), "drive.png": ("drive", MODEL), "validation-steps.png": ("validate", "validation/results.json"),
-    **dict.fromkeys(FIGURES["paper"].values(), ("paper", "paper/statements.csv")), "paper-figure-9.png": ("paper", "paper/figure-9.csv"),
+    "single-elements.png": ("elements", "elements/results/*.csv"), **dict.fromkeys(FIGURES["paper"].values(), ("paper", "paper/statements.csv")), "paper-figure-9.png": ("paper", "paper/figure-9.csv"),
 }  # fmt: skip
 """Pictures, their report, and the stored results of its run; of the validation only the steps, which its picture shows."""
 SIGNATURE, HEAD, KEY = b"\x89PNG\r\n\x1a\n", 33, b"Shows\0"  # Of a PNG; length of signature and first chunk; key of the hash
@@ -44,7 +45,7 @@ LIVE_HEIGHT, LIVE_SHOWN = 868, 3000  # Height of the picture of the live page, p
 
 def shown(name: str) -> str:
     """The hash of the stored results that a picture shows, as they are today."""
-    content = (ROOT / STORED[name][1]).read_bytes()
+    content = b"".join(path.read_bytes() for path in sorted(ROOT.glob(STORED[name][1])))
     if name == "validation-steps.png":
         content = json.dumps(json.loads(content)["steps"], sort_keys=True).encode()
     return hashlib.sha256(content).hexdigest()[:16]
@@ -104,12 +105,18 @@ def take_live(live: Path, picture: Path) -> None:
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("name", choices=["demo", "live", *FIGURES], help="which report")
+    parser.add_argument("name", choices=["demo", "live", "elements", *FIGURES], help="which report")
     parser.add_argument("report", type=Path, nargs="?")
     parser.add_argument("picture", type=Path, nargs="?")
     options = parser.parse_args(arguments)
     name, figures = options.name, FIGURES.get(options.name)
     picture = options.picture or ROOT / "docs" / ("" if figures else "live.png" if name == "live" else "report.png")
+    if name == "elements":
+        picture = ROOT / "docs" / "single-elements.png"
+        elements.draw(picture)
+        stamp(picture)
+        print(picture)
+        return 0
     report = options.report or ROOT / "target" / ("live.html" if name == "live" else f"{name}/report.html")
     if not report.is_file():
         print(f"{report} is missing: run `cargo fmu {name}`", file=sys.stderr)

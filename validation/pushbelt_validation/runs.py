@@ -19,7 +19,7 @@ SECTIONS: dict[str, tuple[ModuleType, int, int]] = {
     "continuum": (continuum, 45, 11),
     "chain": (chain, 68, 11),
     "default_belt": (default_belt, 18, 4),
-    "elements": (single_elements, 60, 14),
+    "elements": (single_elements, 125, 26),
     "shifting": (shifting, 81, 44),
     "efficiency": (efficiency, 270, 50),
     "slip": (slip, 400, 90),
