@@ -22,8 +22,8 @@ SHAFTS = {
     "primary.bearing.friction": 0.0,
     "secondary.bearing.friction": 1e-3,
     "secondary.bearing.radius": REFERENCE_LEVER / 1e-3,
-    # With the inertia of a car neither shaft would follow a shift, because the primary speed is held.
-    "secondary.inertia": 0.03,
+    # So light that its acceleration does not load the belt in a shift: a user of the rates has an own inertia.
+    "secondary.inertia": 0.003,
 }
 """Drag and inertia of the shafts at all points. These are parameters of `SteadyStates` in all functions below."""
 FADING_SPEED = 2.0  # Speed below which the drag of a shaft fades, rad/s: as in the FMU
@@ -137,11 +137,11 @@ def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: 
     for excess in excesses:
         unit.restore(state, begin)
         unit.set({"primary.clampingForce": holding * math.exp(excess)})
-        rates.append(-_mean_slope(unit, line.speed) / line.speed)
+        rates.append(-mean_slope(unit, line.speed) / line.speed)
     return rates
 
 
-def _mean_slope(unit: Instance, speed: float) -> float:
+def mean_slope(unit: Instance, speed: float) -> float:
     """Mean d(ln i)/dt after a jump at a primary speed, 1/s."""
     begin, step = unit.time, min(TIME_STEP, STEP_ANGLE / speed)
     logs = [math.log(unit.get("ratio.geometric"))]
