@@ -66,9 +66,8 @@ fn imports(module: &str, text: &str) -> Vec<String> {
 /// Index in the list of the room that a module path belongs to.
 fn room(list: &[String], module: &str) -> Option<usize> {
     let inside = |room: &str| {
-        module
-            .strip_prefix(room)
-            .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        let rest = module.strip_prefix(room);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
     };
     let inside = (0..list.len()).filter(|&k| inside(&list[k]));
     inside.max_by_key(|&k| list[k].len())

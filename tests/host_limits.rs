@@ -2,8 +2,8 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-use pushbelt::unit::VariatorUnit;
-use pushbelt_support::shared_library::{ERROR, Functions, Library, OK, WARNING, count, reference};
+use pushbelt::fmi::Version;
+use pushbelt_support::shared_library::{ERROR, Functions, Library, OK, WARNING, count, reference, token};
 use std::ffi::CString;
 use std::process::Command;
 use std::ptr::{null, null_mut};
@@ -59,9 +59,8 @@ fn life(f: &Functions, of: &Description, choices: [i32; 2], spatial: bool) {
 fn an_instance_fits_on_a_small_stack() {
     let library = Library::load();
     let f = &library.functions;
-    let guid = pushbelt::fmi::token::<VariatorUnit>(pushbelt::fmi::Version::Two, None);
     let description = Description {
-        guid: CString::new(guid).expect("no zero inside"),
+        guid: token(Version::Two),
         choices: ["ring.model", "solver.mode"].map(reference),
         spatial: reference("ring.spatial"),
         torque: reference("primary.torque"),

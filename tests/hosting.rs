@@ -4,6 +4,7 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
+use pushbelt::fmi::fmi2::Component;
 use pushbelt_support::shared_library::{Functions, Library, OK, count, path};
 use std::path::Path;
 
@@ -29,15 +30,20 @@ fn assert_steady(what: &str, before: u64) {
     assert!(grown < 1 << 20, "{what}: {grown} bytes more");
 }
 
-fn cycle(f: &Functions, steps: u32) {
+fn running(f: &Functions, steps: u32) -> Component {
     let c = f.instantiate();
-    // SAFETY: an instance, not used any more when it is freed.
+    // SAFETY: an instance.
     unsafe {
         f.make_cheap(c);
         f.start(c);
         f.run(c, steps);
-        (f.fmi2FreeInstance)(c);
     }
+    c
+}
+
+fn cycle(f: &Functions, steps: u32) {
+    // SAFETY: an instance, not used any more when it is freed.
+    unsafe { (f.fmi2FreeInstance)(running(f, steps)) };
 }
 
 /// One test, because memory is measured for the whole process.
@@ -53,13 +59,7 @@ fn instances_steps_and_loading_leave_no_memory_or_threads() {
     (0..count("PUSHBELT_CYCLES", 200)).for_each(|_| cycle(f, 2));
     assert_steady("instances", before);
 
-    let c = f.instantiate();
-    // SAFETY: an instance.
-    unsafe {
-        f.make_cheap(c);
-        f.start(c);
-        f.run(c, 1);
-    }
+    let c = running(f, 1);
     let mut done = 1_u32;
     let mut go_on = |count: u32| {
         for _ in 0..count {

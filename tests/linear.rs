@@ -73,12 +73,8 @@ fn the_linear_model_follows_small_steps_of_each_load() {
         });
         let linear: Vec<Vec<f64>> = times.iter().map(|time| response(&model, l, *time)).collect();
         for (i, (name, noise, _)) in OUTPUTS.iter().enumerate() {
-            let found = times
-                .iter()
-                .zip(&more)
-                .zip(&less)
-                .map(|((_, more), less)| (more[i] - less[i]) / (2.0 * size));
-            let found: Vec<f64> = found.collect();
+            let pairs = more.iter().zip(&less);
+            let found: Vec<f64> = pairs.map(|(more, less)| (more[i] - less[i]) / (2.0 * size)).collect();
             let largest = found.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             for (k, time) in times.iter().enumerate() {
                 let (found, linear) = (found[k], linear[k][i]);
@@ -107,10 +103,8 @@ fn the_gain_is_that_of_a_run() {
         let model = linearise(&parameters, &inputs, 100.0, &[RATIO]).expect("a linear model");
         assert!(model.a.len() < 40, "{} states up to 100 Hz", model.a.len());
         let start = started(parameters, &inputs);
-        let force = model
-            .loads
-            .iter()
-            .position(|load| load.name() == "primary.clampingForce");
+        let mut loads = model.loads.iter();
+        let force = loads.position(|load| load.name() == "primary.clampingForce");
         let force = force.expect("a load");
         let size = 20.0;
         let [less, more] = [-size, size].map(|step| {
@@ -205,7 +199,6 @@ fn no_oscillating_mode_of_a_steady_state_grows() {
     }
 }
 
-/// A run at rest has the linear model of its start.
 #[test]
 fn a_run_at_rest_has_the_linear_model_of_its_start() {
     let start = linearise(&parameters(), &Inputs::default(), 20.0, &[RATIO]).expect("a linear model");

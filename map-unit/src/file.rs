@@ -195,7 +195,6 @@ fn parameters_of(document: &Value) -> Result<Parameters, String> {
     Ok(of)
 }
 
-/// The values of an axis.
 fn axis(document: &Value, name: &str, range: Range) -> Result<Vec<f64>, String> {
     let values = flat(&document["axes"][name]["values"]);
     check_range(&format!("the axis {name}"), &values, range)?;
@@ -217,7 +216,6 @@ pub fn flat(value: &Value) -> Vec<f64> {
     }
 }
 
-/// Checks that values are numbers in a range.
 fn check_range(name: &str, values: &[f64], range: Range) -> Result<(), String> {
     let Some(index) = values.iter().position(|value| !range.contains(value)) else {
         return Ok(());

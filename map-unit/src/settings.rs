@@ -86,19 +86,10 @@ pub fn table() -> Table<Settings, Readings> {
             access: Access::Reading(|readings: &Readings| readings.outside),
         },
     });
-    variables.push(Variable {
-        name: "map.holdingThrustRatio".to_owned(),
-        reference: 91,
-        description: "Thrust ratio that holds the present ratio under the present torque; thrustRatio is that of the clamping forces"
-            .to_owned(),
-        causality: Causality::Output,
-        kind: Kind::Real {
-            unit: "1",
-            display_unit: None,
-            range: Range::typical(1.0),
-            access: Access::Reading(|readings: &Readings| readings.holding_thrust_ratio),
-        },
-    });
+    let text = "Thrust ratio that holds the present ratio under the present torque; thrustRatio is that of the clamping forces";
+    let access = Access::Reading(|readings: &Readings| readings.holding_thrust_ratio);
+    let holding = Variable::real(91, "map.holdingThrustRatio", text, Causality::Output, "1", access);
+    variables.push(holding.with_range(Range::typical(1.0)));
     let mut table = Table::new(si::UNITS, &[Drive::TYPE, Axial::TYPE], variables);
     table.initial = &AT_REST;
     table

@@ -63,7 +63,6 @@ impl MapUnit {
         Some(())
     }
 
-    /// Advances over a communication step.
     fn advance_to(&mut self, to: f64, inputs: &InputProfile) -> Result<(), String> {
         self.inputs = inputs.evaluate(self.time);
         for end in [inputs.kink.max(self.time).min(to), to] {

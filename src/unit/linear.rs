@@ -14,12 +14,8 @@ use crate::variator::settings::Outputs;
 /// Frequencies below which modes can be kept, Hz.
 const FREQUENCIES: RangeInclusive<f64> = 1.0e-2..=1.0e5;
 
-/// An output of the linear model.
-struct Column<'a> {
-    name: &'a str,
-    unit: &'static str,
-    get: fn(&Outputs) -> f64,
-}
+/// Name, unit and value of a real output.
+type Column<'a> = (&'a str, &'static str, fn(&Outputs) -> f64);
 
 /// The linear model about the present state of `unit` under the inputs of `settings`, with modes
 /// below `frequency`, Hz, and a warning for each difference from the specified point.
@@ -40,7 +36,7 @@ pub fn linear_model<R: Rings>(
     }
     let outputs: Vec<_> = table::outputs().collect();
     let columns: Vec<_> = outputs.iter().filter_map(column).collect();
-    let read: Vec<&dyn Fn(&Outputs) -> f64> = columns.iter().map(|column| &column.get as _).collect();
+    let read: Vec<&dyn Fn(&Outputs) -> f64> = columns.iter().map(|(_, _, get)| get as _).collect();
     let time = unit.variator.time();
     let found = linearise_at(&mut unit.variator, &settings.inputs, frequency, &read);
     let found = found.map_err(|error| error.to_string())?;
@@ -49,18 +45,13 @@ pub fn linear_model<R: Rings>(
     Ok(format!("{:#}", to_json(&found, &columns, frequency, time)))
 }
 
-/// The column of an output, if it is real.
 fn column(output: &Variable<(), Outputs>) -> Option<Column<'_>> {
     match output.kind {
         Kind::Real {
             unit,
             access: Access::Reading(get),
             ..
-        } => Some(Column {
-            name: &output.name,
-            unit,
-            get,
-        }),
+        } => Some((&output.name, unit, get)),
         _ => None,
     }
 }
@@ -70,7 +61,8 @@ fn to_json(model: &LinearModel, columns: &[Column<'_>], frequency: f64, time: f6
         let (given, held) = (load.value(&model.given), load.value(&model.inputs));
         json!({"name": load.name(), "unit": load.unit(), "given": given, "held": held})
     };
-    let output = |column: &Column<'_>| json!({"name": column.name, "unit": column.unit, "value": (column.get)(&model.outputs)});
+    let output =
+        |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&model.outputs)});
     json!({
         "about": "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it",
         "frequency": {"unit": "Hz", "value": frequency},

@@ -6,7 +6,7 @@ use crate::archive::Archive;
 use crate::fmi::unit::{Experiment, Identity, Message, Unit};
 use crate::fmi::{Table, Version};
 use crate::variator::run::{CommunicationStep, Event, Variator};
-use crate::variator::settings::{Inputs, Mesh, ParameterError, Parameters, Readings, range_of};
+use crate::variator::settings::{Inputs, Mesh, Parameters, Readings, range_of};
 use std::marker::PhantomData;
 
 /// The unit of the FMU, with the rings `ALE0` and `ALE`.
@@ -35,20 +35,13 @@ impl<R: Rings> UnitWith<R> {
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
-        let ring = settings.own.ring(&parameters).map_err(|error| error.to_string())?;
+        let ring = settings.own.ring(&parameters).map_err(text)?;
         find_memory(&parameters.mesh)?;
-        let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
+        let variator = Variator::with_ring(parameters, ring).map_err(text)?;
         let rings = PhantomData;
         Ok(Self { variator, rings })
     }
 
-    /// Applies the tunable parameters.
-    fn tune(&mut self, settings: &Settings<R>) -> Result<(), ParameterError> {
-        let wanted = &settings.parameters.friction;
-        self.variator.set_friction(wanted.pulley, wanted.ring)
-    }
-
-    /// Moves the variator's messages to the remarks.
     fn move_messages(&mut self, remarks: &mut Vec<Message>) {
         remarks.extend(self.variator.take_messages());
     }
@@ -72,7 +65,7 @@ impl<R: Rings> Unit for UnitWith<R> {
         let ring = settings.own.ring(parameters);
         let checked = ring.and_then(|ring| Variator::check(parameters, &*ring));
         let checked = checked.and_then(|()| settings.inputs.validate());
-        checked.map_err(|error| error.to_string())
+        checked.map_err(text)
     }
 
     fn start(
@@ -83,7 +76,7 @@ impl<R: Rings> Unit for UnitWith<R> {
         let mut unit = Self::build(settings, experiment, remarks)?;
         let started = unit.variator.initialise(0.0, &settings.inputs);
         unit.move_messages(remarks);
-        started.map_err(|error| error.to_string())?;
+        started.map_err(text)?;
         Ok(unit)
     }
 
@@ -95,11 +88,12 @@ impl<R: Rings> Unit for UnitWith<R> {
     ) -> Result<CommunicationStep, String> {
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
         let step = CommunicationStep::begin(&mut self.variator, to, &settings.inputs, &rates);
-        let step = step.map_err(|error| error.to_string())?;
+        let step = step.map_err(text)?;
         // After the beginning, so that a step that can't be done goes back to the friction of
         // before.
-        self.tune(settings).map_err(|error| error.to_string())?;
-        Ok(step)
+        let wanted = &settings.parameters.friction;
+        let tuned = self.variator.set_friction(wanted.pulley, wanted.ring);
+        tuned.map(|()| step).map_err(text)
     }
 
     fn advance(
@@ -117,7 +111,7 @@ impl<R: Rings> Unit for UnitWith<R> {
             }
         };
         self.move_messages(remarks);
-        advanced.map_err(|error| error.to_string())
+        advanced.map_err(text)
     }
 
     fn is_over(&self, _: f64, step: &CommunicationStep) -> bool {
@@ -158,6 +152,10 @@ impl<R: Rings> Unit for UnitWith<R> {
         let readings = [moment.before, moment.after].map(|outputs| (*outputs).into());
         Some((readings, moment.span))
     }
+}
+
+fn text(error: impl ToString) -> String {
+    error.to_string()
 }
 
 /// Memory of a cell with its share of the matrices, bytes, twice for the copy of a start (measured

@@ -4,9 +4,8 @@ use crate::archive::Archive;
 use crate::contact::Friction;
 use crate::pulley::{PerPulley, Pulley};
 use crate::scalar::Lanes;
-use crate::solver::Factors;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::{System, View};
+use crate::solver::{Factors, System, View};
 use crate::variator::belt::equations::{Assembly, InForce, PulleyLoad, ResultantDerivatives, RingEnergy};
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
@@ -95,22 +94,6 @@ impl VariatorSystem {
         }
     }
 
-    /// The residual, into `out`.
-    fn evaluate(&mut self, time: f64, view: View<'_>, out: &mut [f64]) {
-        out.fill(0.0);
-        let friction = &self.friction();
-        let belt = &*self.belt;
-        let loads = self.assembly.residual(InForce { belt, friction }, view, out);
-        self.pulleys().residual(&self.boundary(time), &loads, view, out);
-        for c in belt.gauge() {
-            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
-                out[c.multiplier] += CONSTRAINT_SCALE * sign * view.y[node];
-                out[node] += CONSTRAINT_SCALE * sign * view.y[c.multiplier];
-            }
-        }
-        self.of_belt = loads;
-    }
-
     /// Values at the stations of each group of cells.
     pub(crate) fn sample(&self, view: View<'_>, out: &mut Vec<Sample<Lanes>>) -> RingEnergy {
         let belt = &*self.belt;
@@ -191,7 +174,18 @@ impl System for VariatorSystem {
     }
 
     fn residual(&mut self, time: f64, view: View<'_>, out: &mut [f64]) {
-        self.evaluate(time, view, out);
+        out.fill(0.0);
+        let friction = &self.friction();
+        let belt = &*self.belt;
+        let loads = self.assembly.residual(InForce { belt, friction }, view, out);
+        self.pulleys().residual(&self.boundary(time), &loads, view, out);
+        for c in belt.gauge() {
+            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
+                out[c.multiplier] += CONSTRAINT_SCALE * sign * view.y[node];
+                out[node] += CONSTRAINT_SCALE * sign * view.y[c.multiplier];
+            }
+        }
+        self.of_belt = loads;
     }
 
     fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {

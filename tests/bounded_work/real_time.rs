@@ -71,21 +71,18 @@ fn beside(
     effort: i32,
     seconds: f64,
     tolerance: f64,
-) -> (Trace, Trace) {
+) -> [Trace; 2] {
     let mut accurate = one_cell(model);
     accurate.solver.tolerance = tolerance;
     let parameters = in_real_time(one_cell(model), effort);
-    let [found, exact] =
-        [&parameters, &accurate].map(|parameters| trace(load, parameters, ratio, seconds, |_| ()));
-    (found, exact)
+    [&parameters, &accurate].map(|parameters| trace(load, parameters, ratio, seconds, |_| ()))
 }
 
-/// The default tolerance.
 const TOLERANCE: f64 = 1e-4;
 
 /// Speeds and slip are within a share of their ranges; ratio and thrust ratio, whose ranges may be
 /// tiny, within the given bounds.
-fn assert_followed((found, exact): &(Trace, Trace), share: f64, bounds: [f64; 2], name: &str) {
+fn assert_followed([found, exact]: &[Trace; 2], share: f64, bounds: [f64; 2], name: &str) {
     let (off, ranges) = (found.off(exact), exact.ranges());
     let allowed = [0, 1, 3].map(|k| (k, share * ranges[k]));
     for (k, allowed) in allowed.into_iter().chain([(2, bounds[0]), (4, bounds[1])]) {
@@ -101,7 +98,7 @@ fn a_slam_is_followed() {
         let both = beside(model, (LoadHistory::Slam, 1.0), USUAL, 0.4, TOLERANCE);
         assert_followed(&both, 0.02, [f64::INFINITY; 2], &format!("{model:?}"));
         let last = |trace: &Trace| trace.slipping.iter().rposition(|&slips| slips).expect("it slips");
-        assert!(last(&both.0).abs_diff(last(&both.1)) <= 10, "last step of macro-slip");
+        assert!(last(&both[0]).abs_diff(last(&both[1])) <= 10, "last step of macro-slip");
     }
     for parameters in meshes() {
         for &ratio in LoadHistory::Slam.ratios() {
@@ -121,7 +118,7 @@ fn a_slam_is_followed() {
 fn smooth_and_rippling_loads_are_followed() {
     for model in MODELS {
         for load in [LoadHistory::Smooth, LoadHistory::Ripple, LoadHistory::Noise] {
-            let (found, exact) = beside(model, (load, 1.0), USUAL, 0.3, TOLERANCE);
+            let [found, exact] = beside(model, (load, 1.0), USUAL, 0.3, TOLERANCE);
             assert!(exact.defect > 0.0 && exact.defect < 1.0, "{}", exact.defect);
             for (off, allowed) in found.off(&exact).into_iter().zip([5e-3, 5e-3, 2e-4, 2e-4, 2e-4]) {
                 assert!(off < allowed, "{model:?} {load:?}: {off}");
@@ -129,7 +126,7 @@ fn smooth_and_rippling_loads_are_followed() {
         }
         for ratio in [2.2, 0.5] {
             let both = beside(model, (LoadHistory::Ripple, ratio), USUAL, 0.3, 1e-6);
-            let ranges = both.1.ranges();
+            let ranges = both[1].ranges();
             let name = format!("{model:?} at ratio {ratio}");
             assert_followed(&both, 0.02, [0.02 * ranges[2], 0.03 * ranges[4]], &name);
         }

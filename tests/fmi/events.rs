@@ -5,12 +5,6 @@ use crate::variator::Importer;
 use pushbelt::fmi::Version::Three;
 use pushbelt::fmi::log::Status::Ok;
 
-const EVENTS: Handles<'_> = Handles {
-    events: true,
-    early_return: true,
-    required: &[],
-};
-
 /// After 20 ms at constant inputs, a load and clamping forces for the following steps.
 fn loaded(handles: Handles<'_>, torque: f64, [primary, secondary]: [f64; 2]) -> Importer {
     let importer = Importer::coarse(Three, handles);
@@ -48,7 +42,7 @@ fn first_event(importer: &Importer) -> (f64, Ended) {
 
 #[test]
 fn a_step_ends_where_the_belt_begins_to_slip_through() {
-    let importer = overloaded(EVENTS);
+    let importer = overloaded(Handles::EVENTS);
     let (end, ended) = first_event(&importer);
     assert!(ended.early && ended.time < end && ended.time > end - 1e-3, "{ended:?}");
     assert_eq!(importer.get("time"), ended.time);
@@ -65,7 +59,7 @@ fn a_step_ends_where_the_belt_begins_to_slip_through() {
 
 #[test]
 fn a_step_ends_where_a_sheave_reaches_its_stop() {
-    let importer = loaded(EVENTS, 50.0, [60e3, 6e3]);
+    let importer = loaded(Handles::EVENTS, 50.0, [60e3, 6e3]);
     let (mut time, mut reached) = (0.02, false);
     let mut step = |size: f64| {
         let ended = importer.step(time, size);
@@ -93,7 +87,7 @@ fn a_step_ends_where_a_sheave_reaches_its_stop() {
 /// the same end.
 #[test]
 fn an_early_return_can_be_rolled_back() {
-    let importer = overloaded(EVENTS);
+    let importer = overloaded(Handles::EVENTS);
     let state = importer.stored();
     let (_, first) = first_event(&importer);
     let there = importer.readings();

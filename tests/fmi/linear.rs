@@ -9,7 +9,6 @@ use serde_json::Value;
 use std::ffi::CStr;
 use std::ptr::null_mut;
 
-/// Status and text of a call.
 fn text(importer: &Importer, frequency: f64) -> (Status, Option<String>) {
     // Not null before, so that an unchanged pointer is detected.
     let mut text = c"before".as_ptr().cast_mut();
@@ -35,7 +34,6 @@ fn every_host_gets_the_same_model_and_keeps_its_environment() {
     }
 }
 
-/// Status and model of a call.
 fn linearize(importer: &Importer) -> (Status, Value) {
     let (status, text) = text(importer, 50.0);
     let text = text.unwrap_or_else(|| panic!("{}", importer.last()));
@@ -51,7 +49,6 @@ fn steady(inputs: &[(&str, f64)]) -> Importer {
     importer
 }
 
-/// The log has a warning with this text.
 fn assert_warned(importer: &Importer, part: &str) {
     let messages = importer.record.messages.borrow();
     let mut warnings = messages.iter().filter(|message| message.status == Warning as i32);

@@ -52,20 +52,15 @@ fn outputs_are_those_of_the_library() {
     assert!(force <= most * (1.0 + 1e-12) && force > 0.5 * most, "{force} of {most}");
 }
 
-/// A run: what is set first, the inputs of each step, and its size, s.
-struct Run {
-    set: fn(&Importer),
-    steps: Vec<Vec<(&'static str, f64)>>,
-    size: f64,
-}
+/// Inputs by their names.
+type Named = Vec<(&'static str, f64)>;
 
-fn rows(run: &Run, version: Version, handles: Handles<'_>) -> Vec<Vec<u64>> {
-    let importer = Importer::handling(version, handles);
-    (run.set)(&importer);
+fn rows(importer: &Importer, set: fn(&Importer), steps: &[Named], size: f64) -> Vec<Vec<u64>> {
+    set(importer);
     importer.start();
-    let step = |(k, inputs): (u32, &Vec<(&str, f64)>)| {
+    let step = |(k, inputs): (u32, &Named)| {
         inputs.iter().for_each(|(name, value)| importer.put(name, *value));
-        let ended = importer.step(f64::from(k) * run.size, run.size);
+        let ended = importer.step(f64::from(k) * size, size);
         assert_eq!((ended.status, ended.early), (Ok, false), "{}", importer.last());
         if ended.event {
             assert_eq!(importer.enter_event_mode(), Ok);
@@ -73,23 +68,21 @@ fn rows(run: &Run, version: Version, handles: Handles<'_>) -> Vec<Vec<u64>> {
         }
         importer.readings()
     };
-    (0..).zip(&run.steps).map(step).collect()
+    (0..).zip(steps).map(step).collect()
 }
 
 /// The versions agree to the last bit, also with intermediate updates in which the importer does
-/// nothing.
-fn check(run: &Run) {
-    let expected = rows(run, Two, Handles::default());
+/// nothing, after `set`, with the inputs of each step of a size, s.
+fn check(set: fn(&Importer), steps: impl Iterator<Item = Named>, size: f64) {
+    let steps: Vec<_> = steps.collect();
+    let expected = rows(&Importer::new(Two), set, &steps, size);
     let required = ["thrustRatio", "primary.torque"].map(reference);
-    for (events, early_return, required) in
-        [(false, false, &[][..]), (false, true, &required), (true, false, &[])]
-    {
-        let handles = Handles {
-            events,
-            early_return,
-            required,
-        };
-        let found = rows(run, Three, handles);
+    let events = Handles {
+        early_return: false,
+        ..Handles::EVENTS
+    };
+    for handles in [Handles::default(), Handles::updates(&required), events] {
+        let found = rows(&Importer::handling(Three, handles), set, &steps, size);
         let differs = expected.iter().zip(&found).position(|(a, b)| a != b);
         assert_eq!(differs, None, "the first step that differs");
     }
@@ -108,30 +101,24 @@ fn the_manoeuvre_has_the_same_bits_in_both_versions() {
             .zip([forces[0], forces[1], inputs.primary.torque, inputs.secondary.torque])
             .collect()
     });
-    check(&Run {
-        set: |importer| {
-            importer.choose("ring.model", 1);
-            importer.put("secondary.inertia", 4.0);
-            importer.put("initial.ratio", 2.2);
-            importer.put("initial.primarySpeed", 0.0);
-        },
-        steps: steps.collect(),
-        size: 1e-3,
-    });
+    let set = |importer: &Importer| {
+        importer.choose("ring.model", 1);
+        importer.put("secondary.inertia", 4.0);
+        importer.put("initial.ratio", 2.2);
+        importer.put("initial.primarySpeed", 0.0);
+    };
+    check(set, steps, 1e-3);
 }
 
 #[test]
 fn real_time_has_the_same_bits_in_both_versions() {
     let steps = (0..100).map(|k| vec![("primary.torque", 50.0 + f64::from(k % 7) * 20.0)]);
-    check(&Run {
-        set: |importer| {
-            importer.choose("solver.mode", 2);
-            importer.choose("ring.model", 1);
-            importer.flag("initial.steady", true);
-        },
-        steps: steps.collect(),
-        size: 3.5e-3,
-    });
+    let set = |importer: &Importer| {
+        importer.choose("solver.mode", 2);
+        importer.choose("ring.model", 1);
+        importer.flag("initial.steady", true);
+    };
+    check(set, steps, 3.5e-3);
 }
 
 /// Instances run on eight threads as one after the other, every second one with intermediate
@@ -141,12 +128,7 @@ fn instances_on_threads_give_the_sequential_bits() {
     let run = |version: Version, number: u32| {
         let speed = [reference("primary.speed")];
         let watched: &[u32] = if number.is_multiple_of(2) { &speed } else { &[] };
-        let handles = Handles {
-            early_return: true,
-            required: watched,
-            ..Handles::default()
-        };
-        let importer = Importer::coarse(version, handles);
+        let importer = Importer::coarse(version, Handles::updates(watched));
         importer.start();
         let alias = importer.alias();
         importer.answer(move |_| {
@@ -163,10 +145,8 @@ fn instances_on_threads_give_the_sequential_bits() {
             let start =
                 |worker: u32| scope.spawn(move || [run(version, 2 * worker), run(version, 2 * worker + 1)]);
             let workers: Vec<_> = (0..8).map(start).collect();
-            workers
-                .into_iter()
-                .flat_map(|worker| worker.join().expect("no panic"))
-                .collect()
+            let joined = workers.into_iter().flat_map(|worker| worker.join().expect("no panic"));
+            joined.collect()
         });
         assert!(together == alone, "{version:?}");
     }
@@ -262,12 +242,7 @@ fn a_step_that_stalls_is_discarded() {
 #[test]
 fn a_step_that_takes_too_much_work_is_discarded_and_can_be_repeated() {
     let required = ["primary.torque", "primary.speed"].map(reference);
-    let watched = Handles {
-        events: false,
-        early_return: true,
-        required: &required,
-    };
-    for (version, handles) in [(Two, Handles::default()), (Three, watched)] {
+    for (version, handles) in [(Two, Handles::default()), (Three, Handles::updates(&required))] {
         let importer = fragile(version, handles, 1e-4);
         let gentle = LOADS.map(|name| (name, importer.get(name)));
         let step_gently = |step: f64| {

@@ -27,13 +27,7 @@ fn a_state_is_continued_bit_for_bit_in_every_instance() {
     for (from, bytes, expected) in [early, late] {
         let running = Importer::running(Three);
         running.advance(0.0, 0.007);
-        let watching = Importer::handling(
-            Three,
-            Handles {
-                required: &required,
-                ..Handles::default()
-            },
-        );
+        let watching = Importer::handling(Three, Handles::updates(&required));
         for other in [Importer::new(Two), running, watching] {
             assert_eq!(other.continue_from(&bytes), Ok, "{}", other.last());
             assert!(other.bytes() == bytes, "a state at rest is itself");

@@ -8,20 +8,14 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 /// An importer that is called back and may return early.
-fn watching(early_return: bool) -> Importer {
+fn watching() -> Importer {
     let required = ["primary.torque", "primary.speed", "primary.externalTorque"].map(reference);
-    let required = &required;
-    let handles = Handles {
-        early_return,
-        required,
-        ..Handles::default()
-    };
-    Importer::coarse(Three, handles)
+    Importer::coarse(Three, Handles::updates(&required))
 }
 
 #[test]
 fn outputs_can_be_read_at_own_steps() {
-    let importer = watching(true);
+    let importer = watching();
     importer.start();
     importer.put("primary.torque", 80.0);
     let seen = Rc::new(RefCell::new(Vec::new()));
@@ -47,7 +41,7 @@ fn outputs_can_be_read_at_own_steps() {
 fn inputs_can_change_within_a_step() {
     let torque = |time: f64| 50.0 + 2e4 * time;
     let run = |size: f64, watched: bool| {
-        let importer = watching(true);
+        let importer = watching();
         importer.put("inputs.ramp", 0.0);
         importer.put("solver.maxStep", 2e-4);
         importer.start();
@@ -76,7 +70,7 @@ fn inputs_can_change_within_a_step() {
 /// At a time between the belt's own steps.
 #[test]
 fn an_importer_can_return_a_little_later() {
-    let importer = watching(true);
+    let importer = watching();
     importer.start();
     let asked = Rc::new(RefCell::new(None));
     let record = Rc::clone(&asked);

@@ -68,7 +68,6 @@ impl Importer {
         self.count(name) == 1
     }
 
-    /// A step that is done.
     pub fn advance(&self, from: f64, size: f64) {
         assert_eq!(self.step(from, size).status, Ok, "{}", self.last());
     }

@@ -163,7 +163,6 @@ fn what_fits_is_accepted() {
     });
 }
 
-/// The range in the message is the accepted range.
 #[test]
 fn the_ratios_named_in_the_message_are_accepted() {
     let error = refused(|p| p.initial.ratio = 10.0);

@@ -6,29 +6,16 @@ use pushbelt_support::curves::{assert_derivatives, assert_path, curve, moving_fr
 
 #[test]
 fn derivatives_along_a_path_match_differences() {
-    let frame = |t: f64| curve().on_path(&path(t));
-    assert_path(
-        frame,
-        &moving_frame(),
-        0..TwoPulley::SEGMENTS,
-        TwoPulleyFrame::point,
-        TwoPulleyFrame::point,
-    );
-    for theta in [-0.4, 0.0, 0.3] {
-        let about_the_axes = |t: f64| curve().frame(theta + t);
-        let moving = curve().frame(Dual::seed(theta, 0, 1.0));
+    let check = |frame: &dyn Fn(f64) -> TwoPulleyFrame<f64>, moving: &TwoPulleyFrame<Dual>| {
         let segments = 0..TwoPulley::SEGMENTS;
-        assert_path(
-            about_the_axes,
-            &moving,
-            segments,
-            TwoPulleyFrame::point,
-            TwoPulleyFrame::point,
-        );
+        assert_path(frame, moving, segments, TwoPulleyFrame::point, TwoPulleyFrame::point);
+    };
+    check(&|t| curve().on_path(&path(t)), &moving_frame());
+    for theta in [-0.4, 0.0, 0.3] {
+        check(&|t| curve().frame(theta + t), &curve().frame(Dual::seed(theta, 0, 1.0)));
     }
 }
 
-/// Derivatives by each coordinate.
 #[test]
 fn derivatives_by_coordinates_match_differences() {
     let segments = 0..TwoPulley::SEGMENTS;

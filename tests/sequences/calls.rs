@@ -4,7 +4,6 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use pushbelt::fmi::unit::Experiment;
 
-/// A call.
 #[derive(Clone, Debug)]
 pub enum Call {
     /// Sets up the experiment and enters initialisation mode.
@@ -113,7 +112,6 @@ pub fn calls() -> impl Strategy<Value = Call> {
     ]
 }
 
-/// Number of stored states.
 pub const SLOTS: usize = 3;
 
 /// Real settings, and limits between which they fit all others; other tests cover values that don't
@@ -133,7 +131,6 @@ pub const REALS: [(&str, f64, f64); 12] = [
     ("initial.ratio", 0.7, 1.5),
 ];
 
-/// Integers and enumerations.
 pub const INTEGERS: [&str; 7] = [
     "primary.drive",
     "secondary.drive",

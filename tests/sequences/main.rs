@@ -27,8 +27,12 @@ use pushbelt_support::shared_library::count;
 use random_importer::{RandomImporter, Seen};
 use std::process::{Command, ExitCode, Stdio};
 
-/// Sequences of up to `length` calls.
-fn check(version: Version, cases: u32, length: usize, coarse: bool) {
+fn check(version: Version, coarse: bool) -> Result<(), Failed> {
+    let (cases, length) = if coarse {
+        (count("PUSHBELT_SEQUENCES", 1000), 60)
+    } else {
+        (count("PUSHBELT_DEFAULT_SEQUENCES", 3), 40)
+    };
     let seen = Seen::default();
     let config = Config {
         cases,
@@ -39,37 +43,24 @@ fn check(version: Version, cases: u32, length: usize, coarse: bool) {
     // The sequences are the same in every run; more cases extend them.
     let seed = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let sequences = (any::<[bool; 3]>(), vec(calls::calls(), 1..length));
-    let outcome = TestRunner::new_with_rng(config, seed).run(&sequences, |(modes, calls)| {
+    TestRunner::new_with_rng(config, seed).run(&sequences, |(modes, calls)| {
         let mut random = RandomImporter::new(version, &seen, coarse, modes);
         calls.iter().for_each(|call| random.make(call));
         Ok(())
-    });
-    outcome.unwrap_or_else(|failure| panic!("{failure}"));
+    })?;
     let of_both = [&seen.steps, &seen.refused, &seen.restored];
-    let of_three = [&seen.events, &seen.early];
-    let needed = of_both
-        .into_iter()
-        .chain(of_three.into_iter().filter(|_| version == Three));
+    let of_three = [&seen.events, &seen.early].into_iter().filter(|_| version == Three);
+    let needed = of_both.into_iter().chain(of_three);
     let least = needed.map(std::cell::Cell::get).min();
     let enough = least > Some(0) && 4 * seen.steps.get() > cases;
     assert!(cases < 1000 || enough, "{seen:?}");
+    Ok(())
 }
 
 /// Names of the tests that run under valgrind.
 const COARSE: &str = "random_sequences_with_a_coarse_reference_ring";
 const COARSE3: &str = "random_sequences_of_fmi_3_with_a_coarse_reference_ring";
 
-fn coarse(version: Version) -> Result<(), Failed> {
-    check(version, count("PUSHBELT_SEQUENCES", 1000), 60, true);
-    Ok(())
-}
-
-fn default_model(version: Version) -> Result<(), Failed> {
-    check(version, count("PUSHBELT_DEFAULT_SEQUENCES", 3), 40, false);
-    Ok(())
-}
-
-/// Whether valgrind can be started.
 fn valgrind_is_there() -> bool {
     let mut command = Command::new("valgrind");
     let silent = command.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());
@@ -100,11 +91,11 @@ fn valgrind(name: &str) -> Result<(), Failed> {
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let mut trials = vec![
-        Trial::test(COARSE, || coarse(Two)),
-        Trial::test("random_sequences_with_the_default_model", || default_model(Two)),
-        Trial::test(COARSE3, || coarse(Three)),
+        Trial::test(COARSE, || check(Two, true)),
+        Trial::test("random_sequences_with_the_default_model", || check(Two, false)),
+        Trial::test(COARSE3, || check(Three, true)),
         Trial::test("random_sequences_of_fmi_3_with_the_default_model", || {
-            default_model(Three)
+            check(Three, false)
         }),
     ];
     if cfg!(target_os = "linux") {

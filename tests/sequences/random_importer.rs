@@ -28,7 +28,6 @@ fn count(seen: &Cell<u32>, when: bool) {
     seen.set(seen.get() + u32::from(when));
 }
 
-/// Time of an instance, and whether it is in event mode.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     time: f64,
@@ -64,14 +63,10 @@ fn reals(version: Version) -> Vec<(u32, usize)> {
         Some(array) if version == Three => (array.first == reference).then_some(array.size),
         _ => Some(1),
     };
-    let real = table
-        .variables()
-        .iter()
-        .filter(|variable| matches!(variable.kind, Kind::Real { .. }));
-    let sizes = real.filter_map(|variable| Some((variable.reference, size(variable.reference)?)));
-    sizes
-        .map(|(reference, size)| (reference, size.try_into().expect("72")))
-        .collect()
+    let variables = table.variables().iter();
+    let real = variables.filter(|variable| matches!(variable.kind, Kind::Real { .. }));
+    let sizes = real.filter_map(|one| Some((one.reference, size(one.reference)? as usize)));
+    sizes.collect()
 }
 
 impl<'a> RandomImporter<'a> {

@@ -179,20 +179,20 @@ const STEPS: [f64; 4] = [0.99, 0.995, 1.005, 1.01];
 /// has a step.
 const RATIO: f64 = 1.25;
 
-/// The variator of the theory, without ring friction and play, with which the equilibrium would
-/// depend on force and speed.
-fn of_theory(model: RingModel) -> Parameters {
+/// The variator of the theory at a ratio, without ring friction and play, with which the equilibrium
+/// would depend on force and speed.
+fn of_theory(model: RingModel, ratio: f64) -> Parameters {
     let mut parameters = belt_alone(variator(model));
     parameters.friction.ring = 0.0;
     parameters.belt.play = 0.0;
+    parameters.primary.drive = Drive::Speed;
+    parameters.initial.ratio = ratio;
     parameters
 }
 
 /// A run whose clamping forces balance, the initial state of a step of F_P.
 fn balanced(model: RingModel, omega: f64) -> Run {
-    let mut parameters = of_theory(model);
-    parameters.primary.drive = Drive::Speed;
-    parameters.initial.ratio = RATIO;
+    let mut parameters = of_theory(model, RATIO);
     // A step moves the ratio by 1e-4 to 1e-2 in the time observed.
     parameters.solver.tolerance = 1e-6;
     parameters.primary.sheave_damping = 0.0;
@@ -224,10 +224,8 @@ fn shift(balanced: &Run, omega: f64, factor: f64, turns: [f64; 2]) -> [f64; 3] {
 /// d ln(F_P/F_S)_eq/d ln i_g, from steady states with the primary sheave held.
 fn equilibrium_slope(model: RingModel, omega: f64) -> f64 {
     let [low, high] = [0.99 * RATIO, 1.01 * RATIO].map(|ratio: f64| {
-        let mut parameters = of_theory(model);
-        parameters.primary.drive = Drive::Speed;
+        let mut parameters = of_theory(model, ratio);
         parameters.primary.axial = Axial::Held;
-        parameters.initial.ratio = ratio;
         let mut start = inputs((0.0, 0.0), (-40.0, 8.0e3));
         start.primary.speed_setpoint = omega;
         let o = Run::new(parameters, start).variator.outputs().clone();

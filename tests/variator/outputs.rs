@@ -19,10 +19,8 @@ fn idle_arc(stations: &[At], pulley: Pulley) -> [f64; 2] {
         course.push([angle + 0.5 * wrap, ((s.push - entry) / (exit - entry)).abs()]);
         angle += wrap;
     }
-    let active = course
-        .iter()
-        .position(|[_, change]| *change > 0.1)
-        .expect("an active arc");
+    let active = course.iter().position(|[_, change]| *change > 0.1);
+    let active = active.expect("an active arc");
     let ([a, before], [b, after]) = (course[active - 1], course[active]);
     [a + (0.1 - before) / (after - before) * (b - a), b - a]
 }

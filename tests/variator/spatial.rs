@@ -62,11 +62,8 @@ fn strands_are_straight_between_boundary_layers() {
     let state = at_ratio(&parameters, RATIO);
     let mass = parameters.ring.mass_per_length + parameters.belt.mass_per_length;
     for segment in [1, 3] {
-        let stations: Vec<At> = state
-            .stations()
-            .into_iter()
-            .filter(|at| at.segment == segment)
-            .collect();
+        let mut stations = state.stations();
+        stations.retain(|at| at.segment == segment);
         // Distance from the start of the strand, m, and slope w' there.
         let place = |at: &At| (at.sample.xi - stations[0].sample.xi, at.sample.lateral_slope);
         let slopes: Vec<_> = stations.iter().map(place).collect();

@@ -51,11 +51,8 @@ fn stress_at_full_load_is_tension_and_bending_on_the_smaller_pulley() {
 #[test]
 fn both_rings_have_the_same_stress() {
     for (ratio, torque, force) in [(2.3, 100.0, 20e3), (1.0, 100.0, 15e3), (0.5, 100.0, 15e3)] {
-        let [ale0, ale] = MODELS.map(|model| {
-            transmitting(&variator(model), ratio, force, torque, SPEED)
-                .outputs
-                .ring_stress
-        });
+        let outputs = |model| transmitting(&variator(model), ratio, force, torque, SPEED).outputs;
+        let [ale0, ale] = MODELS.map(|model| outputs(model).ring_stress);
         assert_close(ale.max, ale0.max, 0.03, "largest stress");
         for pulley in Pulley::BOTH {
             assert_close(ale.amplitude[pulley], ale0.amplitude[pulley], 0.06, "amplitude");

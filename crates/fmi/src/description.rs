@@ -114,7 +114,6 @@ fn default_experiment(identity: &Identity) -> Element {
         .with("stepSize", Number(identity.step_size))
 }
 
-/// A unit, with its display units.
 fn unit_definition(unit: &UnitDefinition) -> Element {
     let (exponents, display) = (unit.exponents.iter(), unit.display.iter());
     let base = exponents.fold(Element::new("BaseUnit"), |base, (name, value)| base.with(name, value));

@@ -51,7 +51,6 @@ impl From<()> for Status {
     }
 }
 
-/// Passes one message on to the importer.
 #[cfg(feature = "c")]
 pub(crate) type Sink = Box<dyn Fn(Status, Category, &str)>;
 
@@ -61,7 +60,6 @@ pub(crate) struct Log {
     sink: Option<Sink>,
     /// Whether the importer switched debug logging on when it created the instance.
     debug: bool,
-    /// Categories that are logged.
     enabled: Vec<Category>,
 }
 

@@ -132,7 +132,6 @@ impl<S, R, T> Access<S, R, T> {
         }
     }
 
-    /// Writes a setting.
     fn write(&self, settings: &mut S, value: T) {
         if let Self::Setting { set, .. } = self {
             set(settings, value);

@@ -22,7 +22,6 @@ impl Element {
         }
     }
 
-    /// With one more attribute.
     pub(super) fn with(mut self, name: &'static str, value: impl Display) -> Self {
         self.attributes.push((name, value.to_string()));
         self
@@ -36,7 +35,6 @@ impl Element {
         }
     }
 
-    /// With one more child.
     pub(super) fn child(mut self, child: Self) -> Self {
         self.children.push(child);
         self
@@ -52,13 +50,11 @@ impl Element {
         }
     }
 
-    /// With more children.
     pub(super) fn children(mut self, children: impl IntoIterator<Item = Self>) -> Self {
         self.children.extend(children);
         self
     }
 
-    /// A file with this element.
     pub(super) fn document(&self) -> String {
         let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
         let declaration = BytesDecl::new("1.0", Some("UTF-8"), None);

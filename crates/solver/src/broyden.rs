@@ -5,7 +5,6 @@
 use super::kernels::largest;
 use nalgebra::DVector;
 
-/// A scaled step.
 #[derive(Clone, Debug)]
 pub(super) struct Step {
     pub vector: DVector<f64>,

@@ -7,11 +7,8 @@ use nalgebra::{DMatrixView, DMatrixViewMut};
 /// Effect of a product on y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Update {
-    /// It is replaced.
     Set,
-    /// The product is added.
     Add,
-    /// The product is subtracted.
     Subtract,
 }
 

@@ -66,21 +66,19 @@ impl Counts {
         let [steps, rejected, failed] = [&mut self.steps, &mut self.rejected, &mut self.failed];
         [steps, rejected, failed, &mut self.residuals, &mut self.factorizations]
     }
+
+    /// Writes to an archive, or reads from it.
+    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
+        for count in self.each_mut() {
+            archive.counter(count);
+        }
+    }
 }
 
 impl std::ops::AddAssign for Counts {
     fn add_assign(&mut self, mut more: Self) {
         let pairs = self.each_mut().into_iter().zip(more.each_mut());
         pairs.for_each(|(count, more)| *count += *more);
-    }
-}
-
-impl Counts {
-    /// Writes to an archive, or reads from it.
-    pub fn serialize(&mut self, archive: &mut Archive<'_>) {
-        for count in self.each_mut() {
-            archive.counter(count);
-        }
     }
 }
 
@@ -161,7 +159,6 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Memory for so many unknowns.
     pub(super) fn new(unknowns: usize) -> Self {
         let state = State::zero(unknowns);
         Self {
@@ -188,7 +185,6 @@ impl Stage {
     }
 }
 
-/// A factored Jacobian.
 #[derive(Clone, Debug)]
 struct Factored {
     lu: ArrowLu,
@@ -244,7 +240,6 @@ pub struct Newton {
     step: Vec<f64>,
     /// y where the search begins; or the best y of Broyden's method.
     anchor: Vec<f64>,
-    /// Residual at the best point.
     best_residual: Vec<f64>,
     /// Largest error that remained after the last iteration of a stage, estimated from its
     /// contraction, as a fraction of the tolerance. The caller sets it to zero.
@@ -391,7 +386,6 @@ impl Newton {
         Err(Unsolved::NoSolution)
     }
 
-    /// Forms and factors the Jacobian at the stage.
     fn refresh(&mut self, system: &mut impl System, stage: &Stage) -> Result<(), Unsolved> {
         self.jacobians += 1;
         self.counts.factorizations += 1;

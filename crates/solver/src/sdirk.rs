@@ -283,7 +283,6 @@ impl Sdirk {
         }
     }
 
-    /// Moves the state to the end of a step.
     fn accept(&mut self, system: &mut impl Evolution, state: &mut State, end: f64, length: f64) {
         let solved = &self.stages[1].state;
         system.accumulate(state.view(), solved.view(), end, length);

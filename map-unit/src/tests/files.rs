@@ -47,7 +47,6 @@ fn other_than_files_and_large_files_are_refused_unread() {
     assert!(MapUnit::load(None).map(drop).unwrap_err().contains("resources"));
 }
 
-/// Why the content of a file is refused.
 fn why(bytes: &[u8]) -> String {
     let read = Tables::of_bytes(bytes).map(drop);
     read.expect_err("tables that can't be used")

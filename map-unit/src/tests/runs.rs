@@ -18,7 +18,6 @@ fn the_variables_are_there() {
     assert_eq!((all.len(), outputs, units), (78, 34, 17));
 }
 
-/// Why the settings can't be started.
 fn refused(settings: &Settings) -> String {
     let started = MapUnit::start(settings, &Experiment::default(), &mut Vec::new());
     started.map(drop).expect_err("settings that do not fit")

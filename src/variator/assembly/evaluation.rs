@@ -83,7 +83,6 @@ pub(super) fn pack_balance<T: Real<Constant = Lanes>, K: RingKind<D>, const D: u
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
 
-/// Derivatives that an evaluation computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scope {
     /// The tangents of the laws alone.

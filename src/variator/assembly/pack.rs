@@ -14,6 +14,7 @@ use crate::variator::law::arguments::{CellGeometry, CellLaw, Extent, SheavePlane
 use crate::variator::mesh::belt_mesh::{Group, Station};
 use crate::variator::rings::{Degrees, MOST, MOST_ROWS};
 use num_traits::Zero;
+use std::array::from_fn;
 use std::sync::Arc;
 
 /// Unknowns of a pack for each [`StateComponent`](crate::variator::law::arguments::StateComponent),
@@ -33,7 +34,6 @@ pub(crate) struct PackStations {
 /// Consecutive rows of a pack's derivatives in the matrix: as many as lanes, or one.
 #[derive(Clone, Debug)]
 struct Strip {
-    /// The first row.
     row: usize,
     /// Whether there are as many rows as lanes.
     is_wide: bool,
@@ -64,7 +64,7 @@ impl Pack {
         law: &CellLaw,
         frame: &TwoPulleyFrame<T>,
     ) -> CellGeometry<'_, T> {
-        let drags = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
+        let [layer_drag, rotation_drag] = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
         let on = &self.group.on;
         let mean = |drag: PerPulley<T>| drag.secondary * on.secondary + drag.primary * on.primary;
         CellGeometry {
@@ -74,8 +74,8 @@ impl Pack {
             axis: self.axis,
             plane: self.plane,
             length: Jet::constant(0.0).plus_scaled(frame.segment_length(self.segment), self.extent.length),
-            layer_drag: mean(drags.layers),
-            rotation_drag: mean(drags.rotation),
+            layer_drag: mean(layer_drag),
+            rotation_drag: mean(rotation_drag),
         }
     }
 
@@ -85,7 +85,7 @@ impl Pack {
         let whole = 2 * D - 2 * D % LANES;
         for first in (0..degrees.nodes).step_by(2 * D) {
             for start in (0..whole).step_by(LANES) {
-                let of_cells = Lanes::transposed(std::array::from_fn(|k| rows[first + start + k]));
+                let of_cells = Lanes::transposed(from_fn(|k| rows[first + start + k]));
                 for (&at, of_cell) in self.at[first][..self.group.used].iter().zip(of_cells) {
                     let node = &mut out[at + start..][..LANES];
                     (Lanes::read(node) + of_cell).write(node);
@@ -117,7 +117,7 @@ impl Pack {
         for Strip { row, is_wide, at } in &self.strips {
             let row = |k: usize| &block[(row + k) * width..][..at.len()];
             if *is_wide {
-                let rows: [&[Lanes]; LANES] = std::array::from_fn(row);
+                let rows: [&[Lanes]; LANES] = from_fn(row);
                 for (k, at) in at.iter().enumerate() {
                     let of_cells = Lanes::transposed(rows.map(|row| row[k]));
                     for (&at, of_cell) in at.iter().zip(of_cells).take(used) {
@@ -217,9 +217,9 @@ impl Station<Lanes> {
         Self {
             fraction: each(&|s| s.fraction),
             shape: Hermite {
-                n: std::array::from_fn(|k| each(&|s| s.shape.n[k])),
-                dn: std::array::from_fn(|k| each(&|s| s.shape.dn[k])),
-                ddn: std::array::from_fn(|k| each(&|s| s.shape.ddn[k])),
+                n: from_fn(|k| each(&|s| s.shape.n[k])),
+                dn: from_fn(|k| each(&|s| s.shape.dn[k])),
+                ddn: from_fn(|k| each(&|s| s.shape.ddn[k])),
             },
             weight: each(&|s| s.weight),
             right: each(&|s| s.right),
@@ -276,7 +276,7 @@ pub(crate) fn packs(belt: &Belt, degrees: &Degrees) -> Vec<Pack> {
                 side: of_pulley(&|pulley| belt.law.planes[pulley].side),
                 middle: of_pulley(&|pulley| belt.law.planes[pulley].middle),
             },
-            at: std::array::from_fn(|k| at.map(|at| at[k])),
+            at: from_fn(|k| at.map(|at| at[k])),
             strips: strips(degrees, &shape, &at),
         }
     };
@@ -330,7 +330,7 @@ pub(crate) fn flux_entries(belt: &Belt, degrees: &Degrees) -> Vec<FluxEntries> {
                 // node (ring stretch, reverse flow only) would be outside the band.
                 let entry =
                     |row: usize, k: usize| (k < degrees.count).then(|| shape.index(row, at[k])).flatten();
-                std::array::from_fn(|k| rows.map(|row| entry(row, k)))
+                from_fn(|k| rows.map(|row| entry(row, k)))
             })
         })
         .collect()

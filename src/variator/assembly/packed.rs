@@ -9,9 +9,8 @@ use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::COORDINATES;
 use crate::scalar::{Lanes, Real};
-use crate::solver::Factors;
 use crate::solver::arrow::Arrow;
-use crate::solver::{State, View};
+use crate::solver::{Factors, State, View};
 use crate::stack::Transport;
 use crate::variator::belt::equations::{Assembly, InForce, PulleyLoad, ResultantDerivatives, RingEnergy};
 use crate::variator::belt::{Belt, THETA_PER_METRE};
@@ -283,7 +282,6 @@ fn evaluate<K: RingKind<D>, const D: usize>(
     }
 }
 
-/// Adds the loads of a pack on the pulleys.
 fn add_loads(loads: &mut PerPulley<PulleyLoad<Lanes>>, pack: &Pack, b: &CellBalance<Lanes>) {
     for pulley in Pulley::BOTH {
         loads[pulley].add(&b.pulley, pack.group.on[pulley]);

@@ -120,7 +120,6 @@ fn about(
     })
 }
 
-/// The rows of a matrix.
 fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
     let rows = matrix.row_iter();
     rows.map(|row| row.iter().copied().collect()).collect()

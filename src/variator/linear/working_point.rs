@@ -85,7 +85,6 @@ impl WorkingPoint {
 
 const STANDS_STILL: &str = "the primary pulley stands still";
 
-/// Refuses a ring that has no steady state.
 fn refuse_unsteady(variator: &Variator) -> Result<(), LinearError> {
     let belt = &variator.system().belt;
     if belt.material_mesh.is_none() {

@@ -19,7 +19,6 @@ pub const CELL_POINTS: usize = STATIONS + 1;
 
 /// Grading g of the arcs: an element at the border has 1 − g times the mean size.
 const ARC_GRADING: f64 = 0.76;
-/// Grading of the strands.
 const STRAND_GRADING: f64 = 0.88;
 
 /// A finite volume of the stack of push elements.

@@ -10,14 +10,13 @@ use super::loads::{Boundary, FORCE_TIME, PSEUDO_INERTIA, RATIO_STIFFNESS, ShaftM
 use crate::pulley::{PerPulley, Pulley, StopForce, Travel};
 use crate::scalar::{Real, Tangent};
 use crate::shaft::Drag;
-use crate::solver::Factors;
-use crate::solver::View;
 use crate::solver::arrow::Arrow;
+use crate::solver::{Factors, View};
 use crate::tilt::Tilt;
 use crate::variator::belt::equations::{PulleyLoad, ResultantDerivatives};
 use crate::variator::belt::{Belt, CONSTRAINT_SCALE};
 use crate::variator::mesh::layout::Layout;
-use crate::variator::settings::{Parameters, SPEED_LAG};
+use crate::variator::settings::{Parameters, PulleyParameters, SPEED_LAG};
 
 /// The two pulleys with their shafts.
 #[derive(Clone, Copy, Debug)]
@@ -41,12 +40,6 @@ pub struct External {
     pub torque: f64,
     /// Force of clamp and cylinder on the movable sheave, or the reaction where it is held, N.
     pub clamping: f64,
-}
-
-/// Tilt of the sheaves of a pulley, rad, and its rate, rad/s.
-struct TiltMotion {
-    psi: [f64; 2],
-    rate: [f64; 2],
 }
 
 /// Motion on which the equation of a sheave depends.
@@ -90,13 +83,16 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Factor on the inertias.
     fn inertia_factor(&self) -> f64 {
         if self.is_steady { PSEUDO_INERTIA } else { 1.0 }
     }
 
     fn layout(&self) -> &Layout {
         &self.belt.layout
+    }
+
+    fn of(&self, pulley: Pulley) -> &PulleyParameters {
+        self.parameters.pulley(pulley)
     }
 
     /// Angular speed of a shaft, rad/s.
@@ -106,7 +102,7 @@ impl<'a> Pulleys<'a> {
 
     /// Axial travel of a sheave between its stops.
     fn travel(&self, pulley: Pulley) -> Travel {
-        let (law, of) = (&self.belt.law, self.parameters.pulley(pulley));
+        let (law, of) = (&self.belt.law, self.of(pulley));
         Travel::new(of.min_radius..=of.max_radius, law.r0, &law.wedge)
     }
 
@@ -137,10 +133,7 @@ impl<'a> Pulleys<'a> {
     /// Force of spring and rotating oil on a sheave, N.
     pub fn passive_force(&self, pulley: Pulley, view: View<'_>) -> f64 {
         let z = view.q[self.layout().sheave(pulley)];
-        self.parameters
-            .pulley(pulley)
-            .cylinder
-            .passive_force(z, self.speed(pulley, view))
+        self.of(pulley).cylinder.passive_force(z, self.speed(pulley, view))
     }
 
     /// Force of a cylinder on its sheave beside that of its pressure, N.
@@ -158,7 +151,7 @@ impl<'a> Pulleys<'a> {
     /// inertia alone. The integrator's error estimate needs them.
     pub fn jump(&self, before: &Boundary, after: &Boundary, y_dot: &mut [f64]) {
         for pulley in Pulley::BOTH {
-            let of = self.parameters.pulley(pulley);
+            let of = self.of(pulley);
             if let (SheaveMode::Force(old), SheaveMode::Force(new)) =
                 (before.sheave[pulley], after.sheave[pulley])
             {
@@ -178,17 +171,13 @@ impl<'a> Pulleys<'a> {
     /// J_S ω_S/(J_P ω_P): ratio of the secondary's unbalanced torque to the primary's at which both
     /// speeds change in proportion.
     fn balanced_factor(&self, view: View<'_>) -> f64 {
-        let [secondary, primary] =
-            Pulley::BOTH.map(|j| self.parameters.pulley(j).inertia * self.speed(j, view));
+        let [secondary, primary] = Pulley::BOTH.map(|j| self.of(j).inertia * self.speed(j, view));
         if primary == 0.0 { 0.0 } else { secondary / primary }
     }
 
     /// Drag of a shaft under this resultant of the contact forces on the belt, N.
     fn drag(&self, pulley: Pulley, view: View<'_>, resultant: [f64; 2]) -> Drag {
-        self.parameters
-            .pulley(pulley)
-            .drag
-            .loads(self.speed(pulley, view), resultant)
+        self.of(pulley).drag.loads(self.speed(pulley, view), resultant)
     }
 
     /// Drag torques of the shafts, N·m, under these resultants of the contact forces on the belt,
@@ -232,7 +221,7 @@ impl<'a> Pulleys<'a> {
         motion: SheaveMotion<T>,
         axial: f64,
     ) -> Option<T> {
-        let of = self.parameters.pulley(pulley);
+        let of = self.of(pulley);
         let force = match mode {
             SheaveMode::Force(force) => T::from(force),
             SheaveMode::Ratio { theta: set, force } => {
@@ -262,14 +251,14 @@ impl<'a> Pulleys<'a> {
 
     /// Law of the tilt of a pulley's sheaves.
     fn tilt_law(&self, pulley: Pulley) -> Tilt {
-        let own = self.parameters.pulley(pulley).tilt;
+        let own = self.of(pulley).tilt;
         let time = if self.is_steady { FORCE_TIME } else { own.time };
         Tilt { time, ..own }
     }
 
     fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
         let law = self.tilt_law(pulley);
-        let TiltMotion { psi, rate } = self.tilt(pulley, view);
+        let [psi, rate] = self.tilt(pulley, view);
         let moment = law.moment(psi, rate);
         for axis in 0..2 {
             let i = self.layout().tilt(pulley, axis);
@@ -283,7 +272,7 @@ impl<'a> Pulleys<'a> {
 
     /// Equation of motion of a shaft; `torques` are those of belt and drag on the shafts, N·m.
     fn shaft_row(&self, pulley: Pulley, mode: ShaftMode, torques: PerPulley<f64>, view: View<'_>) -> f64 {
-        let of = self.parameters.pulley(pulley);
+        let of = self.of(pulley);
         let i = self.layout().shaft_speed(pulley);
         let inertia = self.inertia_factor() * of.inertia * view.y_dot[i];
         match mode {
@@ -321,7 +310,7 @@ impl<'a> Pulleys<'a> {
         }
         for pulley in Pulley::BOTH {
             let i = self.layout().shaft_speed(pulley);
-            let inertia = self.inertia_factor() * self.parameters.pulley(pulley).inertia;
+            let inertia = self.inertia_factor() * self.of(pulley).inertia;
             let alpha = factors.alpha;
             match boundary.shaft[pulley] {
                 ShaftMode::Setpoint(_) => out.set_unit_row(i, inertia * (alpha + 1.0 / SPEED_LAG)),
@@ -331,12 +320,9 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    fn tilt(&self, pulley: Pulley, view: View<'_>) -> TiltMotion {
-        let unknowns = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
-        TiltMotion {
-            psi: unknowns.map(|i| view.y[i]),
-            rate: unknowns.map(|i| view.y_dot[i]),
-        }
+    /// Tilt of the sheaves of a pulley, rad, and its rate, rad/s.
+    fn tilt(&self, pulley: Pulley, view: View<'_>) -> [[f64; 2]; 2] {
+        [view.y, view.y_dot].map(|of| [0, 1].map(|axis| of[self.layout().tilt(pulley, axis)]))
     }
 
     fn tilt_jacobian(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
@@ -346,7 +332,7 @@ impl<'a> Pulleys<'a> {
             unknowns.iter().for_each(|&i| out.set_unit_row(i, CONSTRAINT_SCALE));
             return;
         }
-        let TiltMotion { psi, rate } = self.tilt(pulley, view);
+        let [psi, rate] = self.tilt(pulley, view);
         let seeded = |tilt: [f64; 2], slope| {
             std::array::from_fn(|axis| Tangent::<2, f64>::seed(tilt[axis], axis, slope))
         };
@@ -420,11 +406,11 @@ impl<'a> Pulleys<'a> {
     pub fn losses(&self, view: View<'_>) -> f64 {
         let mut loss = 0.0;
         for pulley in Pulley::BOTH {
-            let of = self.parameters.pulley(pulley);
+            let of = self.of(pulley);
             let rate = view.y[self.layout().sheave(pulley)];
             loss += of.sheave_damping * rate * rate - self.stop(pulley, view).viscous * rate;
             if !of.tilt.is_rigid() {
-                let TiltMotion { psi, rate } = self.tilt(pulley, view);
+                let [psi, rate] = self.tilt(pulley, view);
                 loss += 2.0 * of.tilt.loss(psi, rate);
             }
         }
@@ -441,17 +427,17 @@ impl<'a> Pulleys<'a> {
         after: View<'_>,
         h: f64,
     ) -> f64 {
-        let law = &self.parameters.pulley(pulley).tilt;
+        let law = &self.of(pulley).tilt;
         if law.is_rigid() {
             return 0.0;
         }
-        let [start, end] = [before, after].map(|view| self.tilt(pulley, view));
-        let [first, second] = [&start, &end].map(|tilt| law.moment(tilt.psi, tilt.rate));
+        let [[start, start_rate], [end, end_rate]] = [before, after].map(|view| self.tilt(pulley, view));
+        let (first, second) = (law.moment(start, start_rate), law.moment(end, end_rate));
         let work: f64 = (0..2)
-            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end.psi[axis] - start.psi[axis]))
+            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end[axis] - start[axis]))
             .sum();
-        let lost = work - (law.energy(end.psi) - law.energy(start.psi));
-        let trapezoid = 0.5 * h * (law.loss(start.psi, start.rate) + law.loss(end.psi, end.rate));
+        let lost = work - (law.energy(end) - law.energy(start));
+        let trapezoid = 0.5 * h * (law.loss(start, start_rate) + law.loss(end, end_rate));
         // Both sheaves.
         2.0 * (lost - trapezoid)
     }
@@ -460,7 +446,7 @@ impl<'a> Pulleys<'a> {
     pub fn energy(&self, view: View<'_>) -> f64 {
         let mut energy = 0.0;
         for pulley in Pulley::BOTH {
-            let of = self.parameters.pulley(pulley);
+            let of = self.of(pulley);
             let z = self.layout().sheave(pulley);
             let omega = self.speed(pulley, view);
             energy += 0.5 * of.inertia * omega * omega
@@ -468,7 +454,7 @@ impl<'a> Pulleys<'a> {
                 + self.travel(pulley).energy(view.q[z])
                 + of.cylinder.energy(view.q[z]);
             if !of.tilt.is_rigid() {
-                energy += 2.0 * of.tilt.energy(self.tilt(pulley, view).psi);
+                energy += 2.0 * of.tilt.energy(self.tilt(pulley, view)[0]);
             }
         }
         energy
@@ -495,7 +481,7 @@ impl<'a> Pulleys<'a> {
         PerPulley::from_fn(|pulley| {
             let accelerating = match boundary.shaft[pulley] {
                 ShaftMode::Setpoint(set) => {
-                    self.parameters.pulley(pulley).inertia * (set - self.speed(pulley, view)) / SPEED_LAG
+                    self.of(pulley).inertia * (set - self.speed(pulley, view)) / SPEED_LAG
                 }
                 _ => 0.0,
             };

@@ -127,9 +127,7 @@ pub(crate) const MOST_ROWS: usize = Degrees::deflecting(3).rows;
 /// curve, then z, ψ_x, ψ_y, ω.
 #[derive(Clone, Copy, Debug)]
 pub struct Degrees {
-    /// Number of motions of the nodes.
     pub(crate) nodes: usize,
-    /// Number of tensions.
     pub(crate) tensions: usize,
     /// Number of coordinates of the reference curve.
     pub(crate) coordinates: usize,

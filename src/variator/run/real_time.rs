@@ -18,7 +18,6 @@ const MILLISECOND: f64 = 1.0e-3;
 /// Part of a step by which a number of steps may exceed a whole one: rounding.
 const ROUNDING: f64 = 1.0e-9;
 
-/// A run in real time.
 #[derive(Clone, Debug)]
 pub(super) struct RealTime {
     /// Time of the state, s.
@@ -31,7 +30,6 @@ pub(super) struct RealTime {
     /// one.
     fraction: f64,
     open: Option<f64>,
-    /// Inputs of the present step.
     inputs: InputProfile,
 }
 

@@ -10,7 +10,6 @@ use crate::ring::stress::RingStress;
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
 pub const PROFILE_POINTS: usize = 72;
 
-/// An input.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Input {
     pub name: &'static str,
@@ -160,18 +159,20 @@ impl Losses {
     }
 }
 
+type Field = [f64; PROFILE_POINTS];
+
 /// Fields along the belt at ξ_k = (k−1)L/[`PROFILE_POINTS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    pub position: [f64; PROFILE_POINTS],
-    pub push_force: [f64; PROFILE_POINTS],
-    pub ring_tension: [f64; PROFILE_POINTS],
-    pub normal_force: [f64; PROFILE_POINTS],
-    pub radial_deviation: [f64; PROFILE_POINTS],
-    pub sliding_speed: [f64; PROFILE_POINTS],
-    pub lateral_deflection: [f64; PROFILE_POINTS],
-    pub gap: [f64; PROFILE_POINTS],
-    pub ring_stress: [f64; PROFILE_POINTS],
+    pub position: Field,
+    pub push_force: Field,
+    pub ring_tension: Field,
+    pub normal_force: Field,
+    pub radial_deviation: Field,
+    pub sliding_speed: Field,
+    pub lateral_deflection: Field,
+    pub gap: Field,
+    pub ring_stress: Field,
 }
 
 impl Default for Profile {

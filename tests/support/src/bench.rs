@@ -16,7 +16,6 @@ use std::hint::black_box;
 /// Communication step of the manoeuvre, s.
 pub const STEP: f64 = 1e-3;
 
-/// Prints a row of the table.
 pub fn print_row(name: &str, figure: &str) {
     println!("{name:<58} {figure}");
 }

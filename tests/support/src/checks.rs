@@ -48,7 +48,6 @@ pub fn assert_pinned(found: u64, pinned: u64, what: &str) {
     assert!(2 * found >= pinned, "{advice}");
 }
 
-/// Numbers in a line.
 pub fn list(numbers: &[f64]) -> String {
     numbers.iter().map(|x| format!(" {x:.2e}")).collect()
 }

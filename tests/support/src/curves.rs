@@ -124,13 +124,14 @@ pub fn assert_derivatives(
                     },
                 };
                 close(found.r, (plus.r - minus.r) / (2.0 * h), 1e-8);
-                assert!((found.xi - xi).abs() < 1e-8, "{k}: {} {xi}", found.xi);
-                assert!((found.kappa - kappa).abs() < 1e-5, "{k}: {} {kappa}", found.kappa);
-                assert!(
-                    (found.dilation - dilation).abs() < 1e-7,
-                    "{k}: {} {dilation}",
-                    found.dilation
-                );
+                let rows = [
+                    (found.xi, xi, 1e-8),
+                    (found.kappa, kappa, 1e-5),
+                    (found.dilation, dilation, 1e-7),
+                ];
+                for (found, expected, tolerance) in rows {
+                    assert!((found - expected).abs() < tolerance, "{k}: {found} {expected}");
+                }
             }
         }
     }

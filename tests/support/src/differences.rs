@@ -3,12 +3,9 @@
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
 
-/// An entry of the Jacobian.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// Its row.
     pub row: usize,
-    /// Its column.
     pub column: usize,
     /// Its value in the Jacobian.
     pub exact: f64,

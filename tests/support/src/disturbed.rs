@@ -4,9 +4,8 @@
 use crate::differences::compare;
 use crate::noise;
 use pushbelt::pulley::{PerPulley, Pulley};
-use pushbelt::solver::Factors;
 use pushbelt::solver::arrow::Arrow;
-use pushbelt::solver::{State, System};
+use pushbelt::solver::{Factors, State, System};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use pushbelt::variator::ring_models::{Assembly, Belt, BeltRing, InForce, ResultantDerivatives};
 use pushbelt::variator::settings::{Parameters, RingModel};
@@ -16,6 +15,11 @@ use std::sync::Arc;
 
 /// Time of the residual, s: the loads are constant.
 pub const TIME: f64 = 0.0;
+/// Factors of the derivatives.
+const FACTORS: Factors = Factors {
+    alpha: 1.0e4,
+    beta: 1.0e-4,
+};
 /// Clamping forces, N.
 pub const CLAMPING: PerPulley<f64> = PerPulley {
     secondary: 1.0e4,
@@ -72,7 +76,7 @@ pub fn disturbed_with(
     let mut random = noise(7);
     let n = state.y.len();
     let mut size = vec![0.0; n];
-    let beta = 1.0e-4;
+    let beta = FACTORS.beta;
     system.newton_scale(beta, &mut size);
     for (i, &size) in size.iter().enumerate() {
         state.y[i] += 200.0 * size * random();
@@ -90,7 +94,7 @@ pub fn disturbed_with(
 /// The Jacobian against central differences, whose steps are `step` times the negligible errors.
 #[track_caller]
 pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) {
-    let (alpha, beta) = (1.0e4, 1.0e-4);
+    let Factors { alpha, beta } = FACTORS;
     let mut size = vec![0.0; state.y.len()];
     system.newton_scale(beta, &mut size);
     // Strains of a travelling ring are differences of positions, so each force has a rounding error
@@ -125,10 +129,7 @@ fn columns(system: &VariatorSystem, state: &State, equations: Equations, by_hand
     equations(belt, by_hand).jacobian(
         InForce { belt, friction },
         state.view(),
-        Factors {
-            alpha: 1.0e4,
-            beta: 1.0e-4,
-        },
+        FACTORS,
         &mut matrix,
         &mut resultants,
     );
@@ -183,7 +184,7 @@ fn assert_updated(
     change: impl FnOnce(&mut VariatorSystem),
     share: f64,
 ) {
-    let [alpha, beta] = [1.0e4, 1.0e-4];
+    let Factors { alpha, beta } = FACTORS;
     let matrix = || Arrow::new(system.shape());
     let [mut first, mut found, mut exact] = [matrix(), matrix(), matrix()];
     system.jacobian(TIME, states[0].view(), alpha, beta, &mut first);

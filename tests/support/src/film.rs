@@ -36,7 +36,6 @@ const SLIPS: [f64; 18] = [
     0.05, 0.06, 0.08,
 ];
 
-/// How the shafts are loaded.
 #[derive(Clone, Copy)]
 pub enum Load {
     /// Torque at the primary pulley as a share of full slip's.

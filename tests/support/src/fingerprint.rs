@@ -14,7 +14,6 @@ pub const STEP: f64 = 1e-3;
 /// Outputs of a run, one row per step.
 type Rows = Vec<Vec<f64>>;
 
-/// A hash of all bits.
 fn hash(rows: &[Vec<f64>]) -> u64 {
     let mut hasher = DefaultHasher::new();
     rows.iter()

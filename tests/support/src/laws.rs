@@ -7,19 +7,16 @@ pub use pushbelt::stack::PushElements;
 use pushbelt::ring::mesh::gauss;
 use pushbelt::variator::settings::Parameters;
 
-/// The push elements of the default variator.
 #[must_use]
 pub fn belt() -> PushElements {
     Parameters::default().belt
 }
 
-/// The flanks of the default variator.
 #[must_use]
 pub fn contact() -> Contact {
     Parameters::default().contact
 }
 
-/// The friction of the default variator.
 #[must_use]
 pub fn friction() -> Friction {
     Parameters::default().friction

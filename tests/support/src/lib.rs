@@ -16,7 +16,6 @@ pub mod meter;
 mod noise;
 pub mod run;
 pub mod shared_library;
-pub mod shared_library3;
 pub mod shift;
 pub mod steady;
 pub mod tracking;

@@ -38,7 +38,6 @@ impl LoadCase {
             .map(|(name, theta)| Self::new(parameters, name, theta, torque))
     }
 
-    /// The task of the steady solver.
     pub fn task(&self) -> SteadyTask {
         transmitted(ratio(self.theta), self.clamping, self.torque)
     }
@@ -53,7 +52,6 @@ pub fn clamping(parameters: &Parameters, ratio: f64, capacity: f64) -> f64 {
     (capacity / contact::full_slip_torque(&parameters.friction, cos_beta, 1.0, radius)).max(6000.0)
 }
 
-/// A value for each pulley.
 pub fn pair<T>(secondary: T, primary: T) -> PerPulley<T> {
     PerPulley { secondary, primary }
 }

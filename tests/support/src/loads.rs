@@ -53,7 +53,6 @@ pub const LOADS: [LoadHistory; 10] = [
 pub const RATIOS: [f64; 3] = [2.2, 1.0, 0.5];
 
 impl LoadHistory {
-    /// Its letter.
     pub fn letter(self) -> char {
         let at = LOADS.iter().position(|&load| load == self).expect("listed");
         char::from(b'a' + at as u8)
@@ -96,10 +95,8 @@ const PROPORTIONAL: f64 = 2.0e4;
 const INTEGRAL: f64 = 1.0e4;
 const OF_SPEED: f64 = 2.0;
 
-/// A variator under a load.
 #[derive(Debug)]
 pub struct Driven {
-    /// The variator.
     pub variator: Variator,
     load: LoadHistory,
     ratio: f64,
@@ -150,7 +147,6 @@ impl Driven {
         inputs((torques[0], primary), (torques[1], secondary))
     }
 
-    /// A communication step.
     pub fn step(&mut self) {
         let inputs = self.inputs();
         self.variator.advance(self.until(), &inputs).expect("a step");

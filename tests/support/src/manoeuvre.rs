@@ -1,8 +1,7 @@
 //! The manoeuvre in the resources of the FMU.
 
 use crate::variators::inputs;
-use pushbelt::variator::settings::Inputs;
-use pushbelt::variator::settings::Parameters;
+use pushbelt::variator::settings::{Inputs, Parameters};
 
 /// Lines of `resources/manoeuvre.csv`: time, torques of P and S, clamping forces of P and S; linear
 /// between lines.
@@ -12,7 +11,6 @@ pub struct Manoeuvre {
 }
 
 impl Manoeuvre {
-    /// Reads the file.
     pub fn read() -> Self {
         let text = include_str!("../../../resources/manoeuvre.csv");
         let rows = text.lines().skip(1).map(|line| {
@@ -24,10 +22,8 @@ impl Manoeuvre {
 
     /// Inputs at time `t`.
     pub fn at(&self, t: f64) -> Inputs {
-        let right = self
-            .rows
-            .partition_point(|row| row[0] <= t)
-            .clamp(1, self.rows.len() - 1);
+        let after = self.rows.partition_point(|row| row[0] <= t);
+        let right = after.clamp(1, self.rows.len() - 1);
         let (a, b) = (&self.rows[right - 1], &self.rows[right]);
         let share = ((t - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0);
         let value = |k: usize| a[k] + share * (b[k] - a[k]);

@@ -54,7 +54,6 @@ pub fn assert_continues_alike(
 /// A run with the balances of energy and element content at every output point.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// The variator.
     pub variator: Variator,
     /// Inputs, constant until changed.
     pub inputs: Inputs,
@@ -63,14 +62,12 @@ pub struct Run {
     pub residual: f64,
     /// Largest relative change of the element content.
     pub amount_change: f64,
-    /// Messages of the variator.
     pub messages: Vec<Message>,
     largest_energy: f64,
     content: f64,
 }
 
 impl Run {
-    /// Initialises.
     pub fn new(parameters: Parameters, inputs: Inputs) -> Self {
         let ring = parameters.ring_of_model();
         Self::with_ring(parameters, ring, inputs)
@@ -93,7 +90,6 @@ impl Run {
         run
     }
 
-    /// The outputs at present.
     pub fn outputs(&mut self) -> Outputs {
         self.variator.outputs().clone()
     }
@@ -154,13 +150,11 @@ impl Run {
         self.inputs = after(span);
     }
 
-    /// How many warnings contain `text`.
     pub fn warnings(&self, text: &str) -> usize {
         let warnings = self.messages.iter().filter(|message| message.warning);
         warnings.filter(|message| message.text.contains(text)).count()
     }
 
-    /// Whether a warning contains `text`.
     pub fn warned(&self, text: &str) -> bool {
         self.warnings(text) > 0
     }

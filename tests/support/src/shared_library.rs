@@ -2,15 +2,18 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-use crate::shared_library3::Functions3;
 use libloading::Library as Loaded;
-use pushbelt::fmi::Unit;
-use pushbelt::fmi::fmi2::{CallbackFunctions, Component, FmuState};
+use pushbelt::fmi::Version::{Three, Two};
+use pushbelt::fmi::fmi2::{CallbackFunctions, Component};
+use pushbelt::fmi::fmi3::{
+    Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,
+};
 use pushbelt::fmi::table::{Causality, Kind};
+use pushbelt::fmi::{Unit, Version};
 use pushbelt::unit::VariatorUnit;
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::path::{Path, PathBuf};
-use std::ptr::null;
+use std::ptr::{null, null_mut};
 
 pub const OK: c_int = 0;
 pub const WARNING: c_int = 1;
@@ -26,7 +29,6 @@ macro_rules! functions {
                 $(, $use:ident $($instance:ident)?)? $(= $body:expr)? $(=> $c:ident, $call:expr)?;
         )*
     ) => {
-        /// The exported functions.
         #[allow(non_snake_case, reason = "names of the standard and of the header")]
         #[derive(Clone, Copy)]
         pub struct $all {
@@ -34,7 +36,7 @@ macro_rules! functions {
         }
 
         impl $all {
-            pub(crate) fn of(library: &libloading::Library) -> Self {
+            fn of(library: &libloading::Library) -> Self {
                 // SAFETY: these are the types with which the library exports them; a status is an
                 // `int`.
                 unsafe {
@@ -47,8 +49,6 @@ macro_rules! functions {
     };
 }
 
-pub(crate) use functions;
-
 /// Value reference of a variable.
 pub fn reference(name: &str) -> u32 {
     let table = VariatorUnit::table();
@@ -56,7 +56,6 @@ pub fn reference(name: &str) -> u32 {
     variable.reference
 }
 
-/// Value references of the real outputs.
 pub fn real_outputs() -> Vec<u32> {
     let table = VariatorUnit::table();
     let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
@@ -64,12 +63,18 @@ pub fn real_outputs() -> Vec<u32> {
     real.map(|v| v.reference).collect()
 }
 
-/// Statuses as the library returns them.
 type Status = c_int;
 
 pushbelt::fmi::fmi2_functions! { [functions] Functions:
     pushbeltLinearize(c: Component, frequency: f64, json: *mut *mut c_char) -> Status = ();
     pushbeltFreeText(text: *mut c_char) = ();
+}
+pushbelt::fmi::fmi3_functions! { [functions] Functions3: }
+
+/// GUID or instantiation token of the library.
+pub fn token(version: Version) -> CString {
+    let token = pushbelt::fmi::token::<VariatorUnit>(version, None);
+    CString::new(token).expect("no zero inside")
 }
 
 /// The loaded library. It is unloaded when this is dropped.
@@ -111,8 +116,7 @@ impl Library {
 impl Functions {
     /// An instance without a logger.
     pub fn instantiate(&self) -> Component {
-        let guid = pushbelt::fmi::token::<VariatorUnit>(pushbelt::fmi::Version::Two, None);
-        let guid = CString::new(guid).expect("no zero inside");
+        let guid = token(Two);
         // SAFETY: valid strings, and null where it is allowed.
         let c =
             unsafe { (self.fmi2Instantiate)(c"variator".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0) };
@@ -162,6 +166,34 @@ impl Functions {
                 assert_eq!((self.fmi2DoStep)(c, f64::from(k) * 1e-3, 1e-3, 1), OK);
             }
         }
+    }
+}
+
+impl Functions3 {
+    /// An instance without a function for messages.
+    #[must_use]
+    pub fn instantiate(&self) -> Instance {
+        let token = token(Three);
+        let (name, create) = (c"variator".as_ptr(), self.fmi3InstantiateCoSimulation);
+        // SAFETY: valid strings, and null where it is allowed.
+        let c = unsafe {
+            create(
+                name,
+                token.as_ptr(),
+                null(),
+                0,
+                0,
+                0,
+                0,
+                null(),
+                0,
+                null_mut(),
+                None,
+                None,
+            )
+        };
+        assert!(!c.is_null());
+        c
     }
 }
 

@@ -16,29 +16,23 @@ use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
 use std::sync::Arc;
 
-/// A steady state.
 #[derive(Clone, Debug)]
 pub struct Steady {
     /// The system with its boundary conditions.
     pub system: VariatorSystem,
-    /// The state.
     pub state: State,
-    /// Outputs there.
     pub outputs: Outputs,
     /// Work that it took.
     pub counts: Counts,
 }
 
-/// A station with its cell.
 #[derive(Clone, Copy, Debug)]
 pub struct At {
     /// Segment: half secondary arc, upper strand, primary arc, lower strand, half secondary arc.
     pub segment: usize,
-    /// Ring element.
     pub element: usize,
     /// The nearer pulley.
     pub pulley: Pulley,
-    /// Values at the station.
     pub sample: Sample,
 }
 

@@ -3,7 +3,6 @@
 use crate::loads::{Driven, LoadHistory};
 use pushbelt::variator::settings::{Outputs, Parameters};
 
-/// An output with its name.
 pub type Tracked = (&'static str, fn(&Outputs) -> f64);
 
 /// Outputs that are compared, by name: speeds, ratio, slip, thrust ratio.
@@ -18,9 +17,7 @@ pub const TRACKED: [Tracked; 5] = [
 /// Outputs of a run at each communication step.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// The tracked outputs.
     pub rows: Vec<[f64; TRACKED.len()]>,
-    /// Macro-slip.
     pub slipping: Vec<bool>,
     /// Largest defect of a step.
     pub defect: f64,
@@ -65,7 +62,6 @@ impl Trace {
         })
     }
 
-    /// Ranges of the tracked outputs.
     #[must_use]
     pub fn ranges(&self) -> [f64; TRACKED.len()] {
         std::array::from_fn(|k| {

@@ -36,7 +36,6 @@ static MESSAGE: Mutex<Option<Message>> = Mutex::new(None);
 /// The variant, while instances are in it.
 static VARIANT: Mutex<Weak<Library>> = Mutex::new(Weak::new());
 
-/// Instances of this library.
 static INSTANCES: AtomicUsize = AtomicUsize::new(0);
 
 fn now<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -59,7 +58,6 @@ struct Handle {
     instance: *mut c_void,
     /// The library of the instance, if it is not this one.
     variant: Option<Arc<Library>>,
-    /// Whether a call is being made on it.
     is_in_call: Cell<bool>,
 }
 
@@ -135,7 +133,6 @@ pub unsafe fn free(c: *mut c_void, name: &str, call: impl FnOnce(*mut c_void, *m
     }
 }
 
-/// The variant for a new instance.
 fn choose(hash: &str) -> Option<Arc<Library>> {
     if INSTANCES.load(SeqCst) > 0 {
         return None;

@@ -11,7 +11,6 @@ use crate::instance::{CallError, FmuInstance, Outcome, refused};
 use crate::log::Status;
 use crate::unit::Unit;
 
-/// Error text for a result without a pointer.
 pub(crate) const NULL_RESULT: &str = "the pointer for the result is null";
 
 /// Runs `body` in the default floating-point environment, and returns `instead` after a panic.
@@ -64,6 +63,17 @@ pub(crate) const CO_SIMULATION_ONLY: &str = "this FMU is for co-simulation only"
 /// The refusal of a function that the capability flags exclude.
 pub(crate) fn unsupported(why: &str) -> Outcome {
     refused(format!("not supported: {why}"))
+}
+
+/// The refusal of derivatives, by the name of their capability flag.
+pub(crate) fn no_direct_derivatives(flag: &str) -> Outcome {
+    unsupported(&format!(
+        "no output depends directly on an input, so every such derivative would be zero ({flag} is false)"
+    ))
+}
+
+pub(crate) fn co_simulation_only<T>(_: &mut T) -> Outcome {
+    unsupported(CO_SIMULATION_ONLY)
 }
 
 /// Chooses the logged categories.

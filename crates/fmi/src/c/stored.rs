@@ -14,7 +14,6 @@ use crate::instance::{CallError, FmuInstance, Outcome, Snapshot, refused};
 use crate::state::Call;
 use crate::unit::Unit;
 
-/// A stored state.
 type Stored = *mut c_void;
 
 /// Stores the state, in a new object if `*state` is null, otherwise in the object that it points

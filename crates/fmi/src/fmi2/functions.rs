@@ -6,16 +6,15 @@ use std::ptr::null_mut;
 
 use super::creation::{instantiate, processor_suffices};
 use super::{CallbackFunctions, Component, FmuState};
-use crate::c::creation::{Texts, free_instance};
-use crate::c::entry::{CO_SIMULATION_ONLY, array, array_mut, enter, result, set_debug_logging, unsupported};
+use crate::c::creation::free_instance;
+use crate::c::entry::{
+    array, array_mut, co_simulation_only, enter, no_direct_derivatives, result, set_debug_logging,
+};
 use crate::c::{define, stored};
 use crate::instance::{FmuInstance, Type};
 use crate::log::Status;
 use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
-
-const DIRECTIONAL: &str = "no output depends directly on an input, so every such derivative would be zero \
-                           (providesDirectionalDerivative is false)";
 
 /// Kinds of `fmi2StatusKind` that have a value, and one that no function has.
 const DO_STEP: c_int = 0;
@@ -28,7 +27,15 @@ const NONE: c_int = -1;
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fmi2_functions {
-    ([$($then:tt)*] $($own:tt)*) => { $($then)* ! { $($own)*
+    ([$($then:tt)*] $($own:tt)*) => { $crate::fmi2_functions! { @ [$($then)*] [$($own)*]
+        // Functions that read and write variables of a type, with the type of the table.
+        fmi2GetReal fmi2SetReal f64 = Real;
+        fmi2GetInteger fmi2SetInteger c_int = IntegerOrEnumeration;
+        fmi2GetBoolean fmi2SetBoolean c_int = Boolean;
+    } };
+    (
+        @ [$($then:tt)*] [$($own:tt)*] $($get:ident $set:ident $type:ident = $of:ident;)*
+    ) => { $($then)* ! { $($own)*
         fmi2GetTypesPlatform() -> *const c_char = c"default".as_ptr();
         fmi2GetVersion() -> *const c_char = c"2.0".as_ptr();
         fmi2SetDebugLogging(
@@ -38,7 +45,7 @@ macro_rules! fmi2_functions {
             instance_name: *const c_char, fmu_type: c_int, guid: *const c_char, resource_location: *const c_char,
             functions: *const CallbackFunctions, visible: c_int, logging_on: c_int
         ) -> Component, creates = if processor_suffices(instance_name, functions) {
-            let texts = Texts { name: instance_name, token: guid, location: resource_location };
+            let texts = [instance_name, guid, resource_location];
             instantiate::<U>(texts, fmu_type, functions, logging_on != 0)
         } else {
             null_mut()
@@ -60,20 +67,16 @@ macro_rules! fmi2_functions {
         fmi2Reset(c: Component) -> Status => c, FmuInstance::reset;
 
         // Variables.
-        fmi2GetReal(c: Component, vr: *const c_uint, nvr: usize, value: *mut f64) -> Status =>
-            c, |instance| instance.get(Type::Real, array(vr, nvr)?, array_mut(value, nvr)?);
-        fmi2GetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =>
-            c, |instance| instance.get(Type::IntegerOrEnumeration, array(vr, nvr)?, array_mut(value, nvr)?);
-        fmi2GetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =>
-            c, |instance| instance.get(Type::Boolean, array(vr, nvr)?, array_mut(value, nvr)?);
+        $(
+            $get(c: Component, vr: *const c_uint, nvr: usize, value: *mut $type) -> Status =>
+                c, |instance| instance.get(Type::$of, array(vr, nvr)?, array_mut(value, nvr)?);
+        )*
         fmi2GetString(c: Component, vr: *const c_uint, nvr: usize, value: *mut *const c_char) -> Status =>
             c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "string");
-        fmi2SetReal(c: Component, vr: *const c_uint, nvr: usize, value: *const f64) -> Status =>
-            c, |instance| instance.set(Type::Real, array(vr, nvr)?, array(value, nvr)?);
-        fmi2SetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =>
-            c, |instance| instance.set(Type::IntegerOrEnumeration, array(vr, nvr)?, array(value, nvr)?);
-        fmi2SetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =>
-            c, |instance| instance.set(Type::Boolean, array(vr, nvr)?, array(value, nvr)?);
+        $(
+            $set(c: Component, vr: *const c_uint, nvr: usize, value: *const $type) -> Status =>
+                c, |instance| instance.set(Type::$of, array(vr, nvr)?, array(value, nvr)?);
+        )*
         fmi2SetString(c: Component, vr: *const c_uint, nvr: usize, value: *const *const c_char) -> Status =>
             c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "string");
 
@@ -92,7 +95,7 @@ macro_rules! fmi2_functions {
         fmi2GetDirectionalDerivative(
             c: Component, unknown: *const c_uint, n_unknown: usize, known: *const c_uint, n_known: usize,
             dv_known: *const f64, dv_unknown: *mut f64
-        ) -> Status => c, |_| unsupported(DIRECTIONAL);
+        ) -> Status => c, |_| no_direct_derivatives("providesDirectionalDerivative");
         fmi2SetRealInputDerivatives(
             c: Component, vr: *const c_uint, nvr: usize, order: *const c_int, value: *const f64
         ) -> Status =>
@@ -123,21 +126,21 @@ macro_rules! fmi2_functions {
             c, |instance| instance.status(kind, NONE, &mut MaybeUninit::uninit(), |_| ());
 
         // Model exchange: hosts may look up all functions.
-        fmi2EnterEventMode(c: Component) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
-        fmi2NewDiscreteStates(c: Component, event_info: *mut c_void) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
-        fmi2EnterContinuousTimeMode(c: Component) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi2EnterEventMode(c: Component) -> Status => c, co_simulation_only;
+        fmi2NewDiscreteStates(c: Component, event_info: *mut c_void) -> Status => c, co_simulation_only;
+        fmi2EnterContinuousTimeMode(c: Component) -> Status => c, co_simulation_only;
         fmi2CompletedIntegratorStep(
             c: Component, no_set_fmu_state_prior_to_current_point: c_int, enter_event_mode: *mut c_int,
             terminate_simulation: *mut c_int
-        ) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
-        fmi2SetTime(c: Component, time: f64) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
-        fmi2SetContinuousStates(c: Component, x: *const f64, nx: usize) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
-        fmi2GetDerivatives(c: Component, derivatives: *mut f64, nx: usize) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        ) -> Status => c, co_simulation_only;
+        fmi2SetTime(c: Component, time: f64) -> Status => c, co_simulation_only;
+        fmi2SetContinuousStates(c: Component, x: *const f64, nx: usize) -> Status => c, co_simulation_only;
+        fmi2GetDerivatives(c: Component, derivatives: *mut f64, nx: usize) -> Status => c, co_simulation_only;
         fmi2GetEventIndicators(c: Component, event_indicators: *mut f64, ni: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
-        fmi2GetContinuousStates(c: Component, x: *mut f64, nx: usize) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
+        fmi2GetContinuousStates(c: Component, x: *mut f64, nx: usize) -> Status => c, co_simulation_only;
         fmi2GetNominalsOfContinuousStates(c: Component, x_nominal: *mut f64, nx: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
     } };
 }
 

@@ -3,14 +3,15 @@
 use libc::{c_char, c_int, c_void};
 use std::ptr::null_mut;
 
-use super::creation::{Callbacks, Modes, instantiate, processor_suffices, refuse_instance};
-use super::steps::{Results, do_step};
+use super::creation::{instantiate, processor_suffices, refuse_instance};
+use super::steps::do_step;
 use super::{
     Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,
 };
-use crate::c::creation::{Texts, free_instance};
+use crate::c::creation::free_instance;
 use crate::c::entry::{
-    CO_SIMULATION_ONLY, NULL_RESULT, array, array_mut, enter, set_debug_logging, unsupported,
+    CO_SIMULATION_ONLY, NULL_RESULT, array, array_mut, co_simulation_only, enter, no_direct_derivatives,
+    set_debug_logging, unsupported,
 };
 use crate::c::{define, stored};
 use crate::instance::{FmuInstance, Type, refused};
@@ -21,10 +22,6 @@ use crate::unit::{Experiment, Unit};
 /// Why functions are not supported.
 const STRUCTURE: &str = "there are no structural parameters";
 const DISCRETE_STATES: &str = "there are no discrete states (providesEvaluateDiscreteStates is false)";
-const DIRECTIONAL: &str = "no output depends directly on an input, so every such derivative would be zero \
-                               (providesDirectionalDerivatives is false)";
-const ADJOINT: &str = "no output depends directly on an input, so every such derivative would be zero \
-                           (providesAdjointDerivatives is false)";
 const DEPENDENCIES: &str =
     "the model description lists the dependencies (providesPerElementDependencies is false)";
 
@@ -33,7 +30,26 @@ const DEPENDENCIES: &str =
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fmi3_functions {
-    ([$($then:tt)*] $($own:tt)*) => { $($then)* ! { $($own)*
+    ([$($then:tt)*] $($own:tt)*) => { $crate::fmi3_functions! { @ [$($then)*] [$($own)*]
+        // Functions that read and write variables of a type, with the type of the table, or with its
+        // name where no variable has it.
+        fmi3GetFloat32 fmi3SetFloat32 f32 without "32-bit real";
+        fmi3GetFloat64 fmi3SetFloat64 f64 = Real;
+        fmi3GetInt8 fmi3SetInt8 i8 without "8-bit whole number";
+        fmi3GetUInt8 fmi3SetUInt8 u8 without "8-bit natural number";
+        fmi3GetInt16 fmi3SetInt16 i16 without "16-bit whole number";
+        fmi3GetUInt16 fmi3SetUInt16 u16 without "16-bit natural number";
+        fmi3GetInt32 fmi3SetInt32 i32 = Integer;
+        fmi3GetUInt32 fmi3SetUInt32 u32 without "32-bit natural number";
+        fmi3GetInt64 fmi3SetInt64 i64 = Enumeration;
+        fmi3GetUInt64 fmi3SetUInt64 u64 without "64-bit natural number";
+        fmi3GetBoolean fmi3SetBoolean Boolean = Boolean;
+        fmi3GetString fmi3SetString Text without "string";
+    } };
+    (
+        @ [$($then:tt)*] [$($own:tt)*]
+        $($get:ident $set:ident $type:ident $(= $of:ident)? $(without $none:literal)?;)*
+    ) => { $($then)* ! { $($own)*
         fmi3GetVersion() -> *const c_char = c"3.0".as_ptr();
         fmi3SetDebugLogging(c: Instance, logging_on: Boolean, n_categories: usize, categories: *const Text) -> Status =>
             c, |instance| set_debug_logging(instance, logging_on != 0, categories, n_categories);
@@ -47,11 +63,9 @@ macro_rules! fmi3_functions {
             n_required_intermediate_variables: usize, environment: Environment, log_message: Option<LogMessage>,
             intermediate_update: Option<IntermediateUpdate>
         ) -> Instance, creates = if processor_suffices(environment, log_message) {
-            let texts = Texts { name: instance_name, token: instantiation_token, location: resource_path };
-            let modes = Modes {
-                logging: logging_on != 0, events: event_mode_used != 0, early_return: early_return_allowed != 0,
-            };
-            let callbacks = Callbacks { environment, log_message, intermediate_update };
+            let texts = [instance_name, instantiation_token, resource_path];
+            let modes = [logging_on, event_mode_used, early_return_allowed].map(|mode| mode != 0);
+            let callbacks = (environment, log_message, intermediate_update);
             instantiate::<U>(texts, modes, required_intermediate_variables, n_required_intermediate_variables, callbacks)
         } else {
             null_mut()
@@ -75,59 +89,21 @@ macro_rules! fmi3_functions {
         fmi3EnterEventMode(c: Instance) -> Status => c, FmuInstance::enter_event_mode;
         fmi3Terminate(c: Instance) -> Status => c, |instance| instance.enter(State::Terminated, Call::Terminate);
         fmi3Reset(c: Instance) -> Status => c, FmuInstance::reset;
-        fmi3GetFloat32(c: Instance, vr: *const Reference, nvr: usize, values: *mut f32, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "32-bit real");
-        fmi3GetFloat64(c: Instance, vr: *const Reference, nvr: usize, values: *mut f64, n_values: usize) -> Status =>
-            c, |instance| instance.get(Type::Real, array(vr, nvr)?, array_mut(values, n_values)?);
-        fmi3GetInt8(c: Instance, vr: *const Reference, nvr: usize, values: *mut i8, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "8-bit whole number");
-        fmi3GetUInt8(c: Instance, vr: *const Reference, nvr: usize, values: *mut u8, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "8-bit natural number");
-        fmi3GetInt16(c: Instance, vr: *const Reference, nvr: usize, values: *mut i16, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "16-bit whole number");
-        fmi3GetUInt16(c: Instance, vr: *const Reference, nvr: usize, values: *mut u16, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "16-bit natural number");
-        fmi3GetInt32(c: Instance, vr: *const Reference, nvr: usize, values: *mut i32, n_values: usize) -> Status =>
-            c, |instance| instance.get(Type::Integer, array(vr, nvr)?, array_mut(values, n_values)?);
-        fmi3GetUInt32(c: Instance, vr: *const Reference, nvr: usize, values: *mut u32, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "32-bit natural number");
-        fmi3GetInt64(c: Instance, vr: *const Reference, nvr: usize, values: *mut i64, n_values: usize) -> Status =>
-            c, |instance| instance.get(Type::Enumeration, array(vr, nvr)?, array_mut(values, n_values)?);
-        fmi3GetUInt64(c: Instance, vr: *const Reference, nvr: usize, values: *mut u64, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "64-bit natural number");
-        fmi3GetBoolean(c: Instance, vr: *const Reference, nvr: usize, values: *mut Boolean, n_values: usize) -> Status =>
-            c, |instance| instance.get(Type::Boolean, array(vr, nvr)?, array_mut(values, n_values)?);
-        fmi3GetString(c: Instance, vr: *const Reference, nvr: usize, values: *mut Text, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "string");
+        $(
+            $get(c: Instance, vr: *const Reference, nvr: usize, values: *mut $type, n_values: usize) -> Status =>
+                c, |instance| $(instance.no_such_type(Call::Get, array(vr, nvr)?, $none))?
+                    $(instance.get(Type::$of, array(vr, nvr)?, array_mut(values, n_values)?))?;
+        )*
         fmi3GetBinary(
             c: Instance, vr: *const Reference, nvr: usize, value_sizes: *mut usize, values: *mut Binary, n_values: usize
         ) -> Status => c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "binary");
         fmi3GetClock(c: Instance, vr: *const Reference, nvr: usize, values: *mut Boolean) -> Status =>
             c, |instance| instance.no_such_type(Call::Get, array(vr, nvr)?, "clock");
-        fmi3SetFloat32(c: Instance, vr: *const Reference, nvr: usize, values: *const f32, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "32-bit real");
-        fmi3SetFloat64(c: Instance, vr: *const Reference, nvr: usize, values: *const f64, n_values: usize) -> Status =>
-            c, |instance| instance.set(Type::Real, array(vr, nvr)?, array(values, n_values)?);
-        fmi3SetInt8(c: Instance, vr: *const Reference, nvr: usize, values: *const i8, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "8-bit whole number");
-        fmi3SetUInt8(c: Instance, vr: *const Reference, nvr: usize, values: *const u8, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "8-bit natural number");
-        fmi3SetInt16(c: Instance, vr: *const Reference, nvr: usize, values: *const i16, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "16-bit whole number");
-        fmi3SetUInt16(c: Instance, vr: *const Reference, nvr: usize, values: *const u16, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "16-bit natural number");
-        fmi3SetInt32(c: Instance, vr: *const Reference, nvr: usize, values: *const i32, n_values: usize) -> Status =>
-            c, |instance| instance.set(Type::Integer, array(vr, nvr)?, array(values, n_values)?);
-        fmi3SetUInt32(c: Instance, vr: *const Reference, nvr: usize, values: *const u32, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "32-bit natural number");
-        fmi3SetInt64(c: Instance, vr: *const Reference, nvr: usize, values: *const i64, n_values: usize) -> Status =>
-            c, |instance| instance.set(Type::Enumeration, array(vr, nvr)?, array(values, n_values)?);
-        fmi3SetUInt64(c: Instance, vr: *const Reference, nvr: usize, values: *const u64, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "64-bit natural number");
-        fmi3SetBoolean(c: Instance, vr: *const Reference, nvr: usize, values: *const Boolean, n_values: usize) -> Status =>
-            c, |instance| instance.set(Type::Boolean, array(vr, nvr)?, array(values, n_values)?);
-        fmi3SetString(c: Instance, vr: *const Reference, nvr: usize, values: *const Text, n_values: usize) -> Status =>
-            c, |instance| instance.no_such_type(Call::Set, array(vr, nvr)?, "string");
+        $(
+            $set(c: Instance, vr: *const Reference, nvr: usize, values: *const $type, n_values: usize) -> Status =>
+                c, |instance| $(instance.no_such_type(Call::Set, array(vr, nvr)?, $none))?
+                    $(instance.set(Type::$of, array(vr, nvr)?, array(values, n_values)?))?;
+        )*
         fmi3SetBinary(
             c: Instance, vr: *const Reference, nvr: usize, value_sizes: *const usize, values: *const Binary,
             n_values: usize
@@ -152,11 +128,11 @@ macro_rules! fmi3_functions {
         fmi3GetDirectionalDerivative(
             c: Instance, unknowns: *const Reference, n_unknowns: usize, knowns: *const Reference, n_knowns: usize,
             seed: *const f64, n_seed: usize, sensitivity: *mut f64, n_sensitivity: usize
-        ) -> Status => c, |_| unsupported(DIRECTIONAL);
+        ) -> Status => c, |_| no_direct_derivatives("providesDirectionalDerivatives");
         fmi3GetAdjointDerivative(
             c: Instance, unknowns: *const Reference, n_unknowns: usize, knowns: *const Reference, n_knowns: usize,
             seed: *const f64, n_seed: usize, sensitivity: *mut f64, n_sensitivity: usize
-        ) -> Status => c, |_| unsupported(ADJOINT);
+        ) -> Status => c, |_| no_direct_derivatives("providesAdjointDerivatives");
         fmi3EnterConfigurationMode(c: Instance) -> Status => c, |_| unsupported(STRUCTURE);
         fmi3ExitConfigurationMode(c: Instance) -> Status => c, |_| unsupported(STRUCTURE);
         fmi3GetIntervalDecimal(
@@ -200,26 +176,26 @@ macro_rules! fmi3_functions {
             next_event_time.write(0.0);
             Ok(())
         };
-        fmi3EnterContinuousTimeMode(c: Instance) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        fmi3EnterContinuousTimeMode(c: Instance) -> Status => c, co_simulation_only;
         fmi3CompletedIntegratorStep(
             c: Instance, no_set_fmu_state_prior_to_current_point: Boolean, enter_event_mode: *mut Boolean,
             terminate_simulation: *mut Boolean
-        ) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
-        fmi3SetTime(c: Instance, time: f64) -> Status => c, |_| unsupported(CO_SIMULATION_ONLY);
+        ) -> Status => c, co_simulation_only;
+        fmi3SetTime(c: Instance, time: f64) -> Status => c, co_simulation_only;
         fmi3SetContinuousStates(c: Instance, continuous_states: *const f64, n_continuous_states: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
         fmi3GetContinuousStateDerivatives(c: Instance, derivatives: *mut f64, n_continuous_states: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
         fmi3GetEventIndicators(c: Instance, event_indicators: *mut f64, n_event_indicators: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
         fmi3GetContinuousStates(c: Instance, continuous_states: *mut f64, n_continuous_states: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
         fmi3GetNominalsOfContinuousStates(c: Instance, nominals: *mut f64, n_continuous_states: usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
         fmi3GetNumberOfEventIndicators(c: Instance, n_event_indicators: *mut usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
         fmi3GetNumberOfContinuousStates(c: Instance, n_continuous_states: *mut usize) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
         fmi3EnterStepMode(c: Instance) -> Status => c, |instance| instance.enter(State::StepComplete, Call::HandleEvent);
         fmi3GetOutputDerivatives(
             c: Instance, vr: *const Reference, nvr: usize, orders: *const i32, values: *mut f64, n_values: usize
@@ -230,11 +206,11 @@ macro_rules! fmi3_functions {
             no_set_fmu_state_prior_to_current_point: Boolean, event_handling_needed: *mut Boolean,
             terminate_simulation: *mut Boolean, early_return: *mut Boolean, last_successful_time: *mut f64
         ) -> Status, on c = {
-            let results = Results { event_handling_needed, terminate_simulation, early_return, last_successful_time };
-            do_step::<U>(c, FUNCTION, current_communication_point, communication_step_size, results)
+            let flags = [event_handling_needed, terminate_simulation, early_return];
+            do_step::<U>(c, FUNCTION, [current_communication_point, communication_step_size], flags, last_successful_time)
         };
         fmi3ActivateModelPartition(c: Instance, clock_reference: Reference, activation_time: f64) -> Status =>
-            c, |_| unsupported(CO_SIMULATION_ONLY);
+            c, co_simulation_only;
     } };
 }
 

@@ -64,27 +64,3 @@ fn extent(tag: &'static str, [x, y]: [f64; 2], [half_width, half_height]: [f64; 
         .with("x2", Number(x + half_width))
         .with("y2", Number(y + half_height))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{Terminal, terminals_and_icons};
-
-    #[test]
-    fn a_terminal_has_its_members_and_its_place() {
-        let text = terminals_and_icons(&[Terminal {
-            name: "shaft",
-            description: "Torque in",
-            members: &[("torque", "primary.torque")],
-            icon: "round",
-            middle: [150.0, -20.0],
-        }]);
-        for part in [
-            r#"<CoordinateSystem x1="-160" y1="-100" x2="160" y2="100" suggestedScalingFactorTo_mm="0.1"/>"#,
-            r#"<Terminal name="shaft" matchingRule="plug" description="Torque in">"#,
-            r#"<TerminalMemberVariable variableName="primary.torque" memberName="torque" variableKind="signal"/>"#,
-            r#"x1="140" y1="-30" x2="160" y2="-10" iconBaseName="round"/>"#,
-        ] {
-            assert!(text.contains(part), "{part} in {text}");
-        }
-    }
-}

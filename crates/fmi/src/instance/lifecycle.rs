@@ -1,11 +1,10 @@
 //! Calls that change the state of an instance: log, set-up, initialisation, event mode, end; stored
 //! states.
 
-use super::bytes;
 use super::calls::FmuInstance;
 use super::clock::Clock;
 use super::snapshot::Snapshot;
-use super::{CallError, Outcome, refused};
+use super::{CallError, Outcome, bytes, refused};
 use crate::log::Category;
 use crate::state::{Call, State};
 use crate::table::{Value, not_finite};

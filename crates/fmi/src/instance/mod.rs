@@ -39,7 +39,6 @@ pub enum CallError {
 /// How a call ended.
 pub type Outcome = Result<(), CallError>;
 
-/// A refusal with this text.
 pub(crate) fn refused<T>(text: impl Into<String>) -> Result<T, CallError> {
     Err(CallError::Refused(text.into()))
 }

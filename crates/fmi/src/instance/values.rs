@@ -28,7 +28,6 @@ pub enum Type {
 }
 
 impl Type {
-    /// Whether variables of a kind have this type.
     fn includes<S, R>(self, kind: &Kind<S, R>) -> bool {
         match kind {
             Kind::Real { .. } => self == Self::Real,

@@ -15,16 +15,7 @@ use crate::importer::{Handles, Message, TIME, experiment, log_of_fmi3, token};
 use crate::run::{ended, running};
 use crate::tank::*;
 
-const WATCHES: Handles<'_> = Handles {
-    events: false,
-    early_return: true,
-    required: &[TIME, INFLOW, LEVEL],
-};
-const EVENTS: Handles<'_> = Handles {
-    events: true,
-    early_return: true,
-    required: &[],
-};
+const WATCHES: Handles<'_> = Handles::updates(&[TIME, INFLOW, LEVEL]);
 
 fn running_with(handles: Handles<'_>) -> Importer {
     let importer = Importer::handling(Three, handles);
@@ -145,7 +136,7 @@ fn arrays_lie_between_scalars_and_the_time() {
 
 #[test]
 fn an_event_ends_a_step_that_may_end_early() {
-    let importer = running_with(EVENTS);
+    let importer = running_with(Handles::EVENTS);
     assert_eq!(importer.set(MARK, 2.2), Ok);
     assert_eq!(importer.step(0.0, 2.0), ended(true, true, 0.75));
     importer.assert_logged("event at 0.75 s: the level reaches 2.2");
@@ -216,10 +207,7 @@ fn an_importer_reads_sets_and_returns_within_a_step() {
 
 #[test]
 fn a_variable_that_cannot_be_updated_is_announced_with_a_warning_and_refused() {
-    let importer = running_with(Handles {
-        required: &[GAIN, LEVEL, GAIN],
-        ..WATCHES
-    });
+    let importer = running_with(Handles::updates(&[GAIN, LEVEL, GAIN]));
     let warning = "fmi3InstantiateCoSimulation: gain can't be set or read in intermediate update";
     let is_it = |message: &&Message| message.status == 1 && message.text.contains(warning);
     assert_eq!(importer.record.messages.borrow().iter().filter(is_it).count(), 1);

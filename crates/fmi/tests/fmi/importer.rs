@@ -63,8 +63,12 @@ pub struct Record {
 }
 
 impl Record {
-    fn hear(&self, message: Message) {
-        self.messages.borrow_mut().push(message);
+    fn hear(&self, status: c_int, category: String, text: String) {
+        self.messages.borrow_mut().push(Message {
+            status,
+            category,
+            text,
+        });
         if let Some(hears) = &mut *self.hears.borrow_mut() {
             hears();
         }
@@ -92,12 +96,7 @@ unsafe extern "C" fn log_of_fmi2(
         let text = if with_argument { own(argument) } else { format };
         assert_eq!(text.contains('%'), with_argument, "{text}");
         *record.instance.borrow_mut() = own(instance);
-        let category = own(category);
-        record.hear(Message {
-            status,
-            category,
-            text,
-        });
+        record.hear(status, own(category), text);
     }
 }
 
@@ -109,12 +108,7 @@ pub unsafe extern "C" fn log_of_fmi3(
 ) {
     unsafe {
         let record = &*environment.cast::<Record>();
-        let (category, text) = (own(category), own(message));
-        record.hear(Message {
-            status,
-            category,
-            text,
-        });
+        record.hear(status, own(category), own(message));
     }
 }
 
@@ -151,6 +145,22 @@ pub struct Handles<'a> {
     pub early_return: bool,
     /// Variables for intermediate update mode; the callback is set if there are any.
     pub required: &'a [u32],
+}
+
+impl<'a> Handles<'a> {
+    pub const EVENTS: Self = Self {
+        events: true,
+        ..Self::updates(&[])
+    };
+
+    /// Early returns, and intermediate updates with these variables.
+    pub const fn updates(required: &'a [u32]) -> Self {
+        Self {
+            events: false,
+            early_return: true,
+            required,
+        }
+    }
 }
 
 pub fn experiment(start: f64, stop: Option<f64>) -> Experiment {
@@ -218,7 +228,6 @@ pub struct Importer<U: Unit> {
     pub c: *mut c_void,
     pub record: Rc<Record>,
     events: bool,
-    /// Whether the instance is freed with this.
     owned: bool,
     unit: PhantomData<U>,
 }

@@ -52,13 +52,10 @@ use State::{
 };
 
 fn in_state(version: Version, state: State) -> Importer {
-    let importer = Importer::handling(
-        version,
-        Handles {
-            events: state == Event,
-            ..Handles::default()
-        },
-    );
+    let importer = match state {
+        Event => Importer::handling(version, Handles::EVENTS),
+        _ => Importer::new(version),
+    };
     if state != Instantiated {
         assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     }
@@ -317,13 +314,7 @@ fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
     use std::rc::Rc;
 
     let run = |version| {
-        let importer = Importer::handling(
-            version,
-            Handles {
-                required: &[INFLOW, LEVEL],
-                ..Handles::default()
-            },
-        );
+        let importer = Importer::handling(version, Handles::updates(&[INFLOW, LEVEL]));
         let seen = Rc::new(RefCell::new(Vec::new()));
         let (alias, record, heard) = (importer.alias(), Rc::clone(&seen), Rc::clone(&seen));
         *importer.record.hears.borrow_mut() = Some(Box::new(move || heard.borrow_mut().push(present())));
@@ -369,13 +360,7 @@ fn an_environment_that_is_set_in_a_callback_is_the_hosts() {
     use crate::environment::{DEFAULT, HOSTS, present, set};
 
     for host in HOSTS {
-        let importer = Importer::handling(
-            Three,
-            Handles {
-                required: &[LEVEL],
-                ..Handles::default()
-            },
-        );
+        let importer = Importer::handling(Three, Handles::updates(&[LEVEL]));
         importer.start();
         importer.answer(move |_| {
             set(host);

@@ -59,13 +59,7 @@ fn a_state_holds_everything_and_fits_every_instance() {
 
 #[test]
 fn a_state_of_event_mode_fits_every_instance() {
-    let importer = Importer::handling(
-        Three,
-        Handles {
-            events: true,
-            ..Handles::default()
-        },
-    );
+    let importer = Importer::handling(Three, Handles::EVENTS);
     assert_eq!(importer.enter(experiment(0.0, None)), Ok);
     assert_eq!(importer.exit(), Ok);
     let bytes = importer.bytes();
@@ -149,11 +143,11 @@ fn wrong_bytes_are_refused_and_change_nothing() {
         assert_eq!(bytes[12..28], guid.to_le_bytes(), "after the version");
         refuses(&bytes[1..], "not a stored state");
         refuses(&[&bytes[..], b"x"].concat(), "checksum");
-        // Those of another version of the layout by both versions: the present one, 19, and 19 with
+        // Those of another version of the layout by both versions: the present one, 20, and 20 with
         // the changed bit.
         refuses(
             &damaged(8),
-            "has version 3 of the layout, and this FMU reads version 19",
+            "has version 3 of the layout, and this FMU reads version 20",
         );
         refuses(&damaged(12), "GUID");
         refuses(&damaged(bytes.len() - 1), "checksum");

@@ -93,7 +93,6 @@ fn block(part: &[f64], k: usize, size: usize) -> &[f64] {
     &part[k * size..(k + 1) * size]
 }
 
-/// Brings a vector into the order of the matrix.
 fn to_matrix_order(order: &[usize], x: &[f64], ordered: &mut [f64]) {
     for (&index, x) in order.iter().zip(x) {
         ordered[index] = *x;
@@ -107,7 +106,6 @@ fn to_vector_order(order: &[usize], ordered: &[f64], x: &mut [f64]) {
     }
 }
 
-/// The parts of an [`Arrow`].
 struct Parts<'a> {
     diagonal: &'a [f64],
     upper: &'a [f64],

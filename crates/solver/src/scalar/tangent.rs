@@ -24,7 +24,6 @@ pub struct Tangent<const N: usize, L = Lanes> {
 pub type Dual = Tangent<1, f64>;
 
 impl<const N: usize, L: Real> Tangent<N, L> {
-    /// Numbers without derivatives.
     #[inline(always)]
     fn plain(value: L) -> Self {
         Self {

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 
 use num_dual::{Dual64, DualNum};
+use pushbelt_archive::Archive;
 
 use super::super::arrow::{Arrow, Shape};
 use super::super::sdirk::{Evolution, Sdirk, Stalled};
@@ -18,7 +19,6 @@ pub trait Equations<const N: usize> {
     /// Whether the unknowns are rates of positions.
     const HAS_POSITION: bool;
 
-    /// F.
     fn residual<T: Real>(&self, time: f64, y: [T; N], y_dot: [T; N], q: [T; N]) -> [T; N];
 }
 
@@ -93,7 +93,6 @@ impl<E: Equations<N>, const N: usize> Test<E, N> {
     }
 }
 
-/// The largest size of numbers.
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |most, value| most.max(value.abs()))
 }
@@ -133,6 +132,18 @@ pub fn advance(
         integrator.step(system, state, &mut time, to)?;
     }
     Ok(())
+}
+
+/// Passes what an archive holds of an integrator to another one.
+pub fn copy(from: &mut Sdirk, to: &mut Sdirk) {
+    let mut archive = Archive::writer();
+    from.serialize(&mut archive);
+    from.newton.serialize_factors(&mut archive);
+    let bytes = archive.into_bytes();
+    let mut archive = Archive::reader(&bytes);
+    to.serialize(&mut archive);
+    to.newton.serialize_factors(&mut archive);
+    assert_eq!(archive.finish(), Ok(()));
 }
 
 /// Integrates with a controlled error.
