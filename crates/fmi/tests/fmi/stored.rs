@@ -147,7 +147,7 @@ fn wrong_bytes_are_refused_and_change_nothing() {
         // the changed bit.
         refuses(
             &damaged(8),
-            "has version 3 of the layout, and this FMU reads version 20",
+            "has version 4 of the layout, and this FMU reads version 20",
         );
         refuses(&damaged(12), "GUID");
         refuses(&damaged(bytes.len() - 1), "checksum");
