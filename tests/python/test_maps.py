@@ -28,13 +28,8 @@ from pushbelt.study import run
 from pushbelt.study.tasks import Solver, variator
 
 PARAMETERS = variator("bench168", changes=MESH)
-GRID = Grid(
-    force=(6e3, 12e3),
-    speed=(100.0, 300.0),
-    ratio=(0.6, 1.0, 1.8),
-    utilisation=(-0.5, -0.2, 0.0, 0.3, 0.7, 1.1),
-    excess=(-0.4, -0.1, 0.0, 0.1, 0.4),
-)  # 12 lines; a utilisation of 1.1 is beyond what the belt carries
+GRID = Grid((6e3, 12e3), (100.0, 300.0), (0.6, 1.0, 1.8), utilisation=(-0.5, -0.2, 0.0, 0.3, 0.7, 1.1), excess=(-0.4, -0.1, 0.0, 0.1, 0.4))
+"""12 lines; a utilisation of 1.1 is beyond what the belt carries."""
 
 
 @pytest.fixture(scope="module")
