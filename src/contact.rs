@@ -118,6 +118,7 @@ pub struct FlankForce<T> {
 impl<T: Real> FlankForce<T> {
     /// Elastic part of p.
     #[inline(always)]
+    #[must_use]
     pub fn elastic(&self) -> T {
         self.normal - self.viscous
     }

@@ -90,6 +90,7 @@ pub struct Sliding<L = f64> {
 
 impl BeltSums {
     /// Whether a loaded pulley would transmit less torque if its elements slid faster.
+    #[must_use]
     pub fn past_peak(&self) -> bool {
         Pulley::BOTH.into_iter().any(|j| {
             let Sliding { load, slope, .. } = self.sliding[j];
