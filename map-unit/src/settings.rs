@@ -50,6 +50,7 @@ fn text(name: &str) -> Option<&'static str> {
         "efficiency" => "Driven / driving shaft power, including the drag of the shafts, 0 to 1; 0 without power flow",
         "torqueUtilisation" => "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle))",
         "macroSlip" => "True if the slip is beyond that at the capacity: the belt slips through",
+        "pastPeak" => "True if the slip is beyond that at the capacity, the peak of traction: the same as macroSlip",
         "stored.energy" => "Kinetic energy of both shafts",
         "initial.ratio" => "Geometric ratio secondary radius / primary radius at the start; beyond an end stop the run starts at the stop",
         "initial.primarySpeed" => "Speed of the primary pulley at the start. A shaft with drive = Speed starts at its set point instead",

@@ -135,10 +135,11 @@ fn the_declared_dependencies_are_those_that_are_found() {
             assert!(seen.contains(known), "{} does not depend on {known}", output.name);
         }
     }
-    // What has no list depends on the loads, but for the outputs of misaligned pulleys.
+    // What has no list depends on the loads, but for outputs of misaligned pulleys and slipping ones.
     for output in outputs() {
-        let spatial = ["belt.lateralMax", "belt.skew"].contains(&output.name.as_str());
-        if table.initial_dependencies(output).is_none() && !spatial && output.name != "macroSlip" {
+        let others =
+            ["belt.lateralMax", "belt.skew", "macroSlip", "pastPeak"].contains(&output.name.as_str());
+        if table.initial_dependencies(output).is_none() && !others {
             assert!(seen[&output.name].contains("secondary.torque"), "{}", output.name);
         }
     }

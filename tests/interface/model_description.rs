@@ -66,6 +66,7 @@ fn value_references_do_not_change() {
         ("thrustRatio", 1),
         ("belt.speed", 2),
         ("macroSlip", 10),
+        ("pastPeak", 38),
         ("ring.tensionMin", 17),
         ("energy.residual", 19),
         ("secondary.speed", 211),

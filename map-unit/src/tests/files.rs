@@ -114,7 +114,10 @@ fn values_are_those_of_the_file() {
     };
     let [_, speeds, ratios] = axes.each_ref().map(Vec::len);
     let [capacity, rates] = ["capacity", "shiftRate"].map(|name| flat(&document["tables"][name]["values"]));
-    for (k, (expected, rates)) in capacity.chunks(2).zip(rates.chunks(18)).enumerate() {
+    let [excesses, utilisations] =
+        ["excess", "shiftUtilisation"].map(|name| flat(&document["axes"][name]["values"]).len());
+    let of_points = capacity.chunks(2).zip(rates.chunks(excesses * utilisations));
+    for (k, (expected, rates)) in of_points.enumerate() {
         let indices = [k / ratios / speeds, k / ratios % speeds, k % ratios];
         let point = from_fn(|n| axes[n][indices[n]]);
         let is_last: [bool; 3] = from_fn(|n| indices[n] + 1 == axes[n].len());
@@ -123,7 +126,8 @@ fn values_are_those_of_the_file() {
         assert_eq!(limits(beyond), (found, shifts, is_last.contains(&true)));
         let off = [0, 1].map(|direction| (found[direction] - expected[direction]).abs());
         assert!(off[0].max(off[1]) < 1e-3, "{found:?} {expected:?}");
-        let off = [shifts[0] / rates[8] - 1.0, shifts[1] / rates[17] - 1.0].map(f64::abs);
+        let off = [shifts[0] / rates[excesses - 1], shifts[1] / rates[rates.len() - 1]];
+        let off = off.map(|share| (share - 1.0).abs());
         assert!(off[0].max(off[1]) < 1e-2, "{shifts:?} {rates:?}");
     }
 }
