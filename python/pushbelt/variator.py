@@ -88,7 +88,7 @@ class Variator(WorkingPoints):
         super().__init__(archive, self._start)
         inputs = [v.name for v in self._declared.values() if v.causality == "input"]
         names = [*inputs, *calls.output_names(self._declared.values())]
-        self._names = ("time", *names, "macroSlip")
+        self._names = ("time", *names, "macroSlip", "pastPeak")
         self._record = record if isinstance(record, Record) else Record(record)
         self._recording = Recording(self._names, self._record)
         self._now: NDArray[np.float64] | None = None  # The present row of outputs; None before the start
@@ -270,7 +270,7 @@ class Variator(WorkingPoints):
     def outputs(self) -> NDArray[Any]:
         """The recorded communication points as a record array: `outputs["time"]` in s, `outputs["primary.speed"]` in rad/s.
 
-        Columns are those of `record`, by default the real inputs and outputs, stored and residual energy, and `macroSlip` as 0 or 1. The
+        Columns are those of `record`, by default the real inputs and outputs, stored and residual energy, `macroSlip` and `pastPeak` as 0 or 1. The
         value of an input is that at the end of the previous step. Without an interval a long run has a row at every second, fourth, …
         communication point only (`Record`).
         """
@@ -294,7 +294,7 @@ class Variator(WorkingPoints):
 
     def _read(self) -> None:
         """Reads the outputs, records them, and issues the warnings of the FMU."""
-        self._now = np.array([self.time, *self._open.get_reals(self._reals), self._open.get("macroSlip")])
+        self._now = np.array([self.time, *self._open.get_reals(self._reals), *map(self._open.get, self._names[-2:])])
         self._recording.add(self._now)
         self._warn()
 

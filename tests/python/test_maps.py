@@ -14,12 +14,13 @@ import pytest
 import reports
 import xarray
 from conftest import MESH
+from pushbelt_validation.bench import Bench
 from scipy.io import loadmat, whosmat
 
 from pushbelt.fmu.data import pitch_radius, torque_capacity
-from pushbelt.fmu.steady import driven_by_torque
+from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance
-from pushbelt.fmu.working_points import Line
+from pushbelt.fmu.working_points import SHAFTS, Line
 from pushbelt.maps import __main__, files
 from pushbelt.maps.data import LOSSES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, collect, monotone, stops
@@ -28,8 +29,13 @@ from pushbelt.study import run
 from pushbelt.study.tasks import Solver, variator
 
 PARAMETERS = variator("bench168", changes=MESH)
-GRID = Grid((6e3, 12e3), (100.0, 300.0), (0.6, 1.0, 1.8), utilisation=(-0.5, -0.2, 0.0, 0.3, 0.7, 1.1), excess=(-0.4, -0.1, 0.0, 0.1, 0.4))
-"""12 lines; a utilisation of 1.1 is beyond what the belt carries."""
+GRID = Grid(
+    force=(6e3, 12e3),
+    speed=(100.0, 300.0),
+    ratio=(0.6, 1.0, 1.8),
+    utilisation=(-0.5, -0.2, 0.0, 0.3, 0.7, 1.1),
+    excess=(-0.4, -0.1, 0.0, 0.1, 0.4),
+)  # 12 lines; a utilisation of 1.1 is beyond what the belt carries
 
 
 @pytest.fixture(scope="module")
@@ -155,6 +161,17 @@ def test_a_line_is_stored_when_it_is_solved(plan: Plan, tmp_path: Path, monkeypa
     with pytest.raises(KeyboardInterrupt):
         run.solve_in_processes(plan, tmp_path, "lines")
     assert [bool(row["points"]) for row in run.Store(tmp_path, plan).rows().values()] == [True]
+
+
+def test_shift_rates_are_those_of_the_validation_s_own_runs(archive: Archive, maps: Maps) -> None:
+    """Which step on their own and take their mean slope of 1/i."""
+    with Bench(archive, changed={**MESH, **SHAFTS}) as bench:
+        for f, s, r, excess in ((0, 1, 1, 1), (1, 0, 2, 3)):
+            force, speed, ratio = GRID.force[f], GRID.speed[s], GRID.ratio[r]
+            torque = 0.3 * bench.capacity(ratio, force)
+            load = bench.steady(driven_by_torque(bench.parameters, ratio, speed, torque, force))["secondary.externalTorque"]
+            run = bench.shift(driven_at_speed(bench.parameters, ratio, speed, load, force), GRID.excess[excess])
+            assert maps["shiftRate"][f, s, r, 1, excess] == pytest.approx(run.rate / run.speed_ratio[-4] / speed, rel=5e-3)
 
 
 def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps, folder: Path) -> None:

@@ -11,7 +11,7 @@ from pushbelt_validation.bench import Bench
 from pushbelt_validation.outcome import Verdict
 from pushbelt_validation.sections.default_belt import _spiral_checks, spiral_running
 from pushbelt_validation.theory import cmm
-from pushbelt_validation.theory.shifting import SMALL, Belt, ShiftLaw, idle_arc
+from pushbelt_validation.theory.shifting import SMALL, Belt, ShiftLaw, shifting_arc
 
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import theta_of
@@ -127,8 +127,8 @@ def law() -> ShiftLaw:
 def test_without_shifting_it_is_the_steady_arc(wrap: float) -> None:
     """A → 0: the solution converges to that of the steady theory, with a difference proportional to A."""
     steady = cmm.arc_at_traction(wrap, BETA, MU, 0.0)
-    assert idle_arc(wrap, BETA, MU, 0.0).thrust == pytest.approx(steady.thrust, rel=1e-9)
-    off = [idle_arc(wrap, BETA, MU, shift).thrust - steady.thrust for shift in (0.02, 0.01)]
+    assert shifting_arc(wrap, BETA, MU, 0.0).thrust == pytest.approx(steady.thrust, rel=1e-9)
+    off = [shifting_arc(wrap, BETA, MU, shift).thrust - steady.thrust for shift in (0.02, 0.01)]
     assert off[0] / off[1] == pytest.approx(2.0, rel=0.05)
 
 

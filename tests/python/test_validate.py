@@ -120,7 +120,7 @@ def test_sections_alone_meet_the_theory_and_make_a_report(fmu: Path, tmp_path: P
     assert page.count('<tr><td class="text"><a href="#gaps') == 1
     assert "idle arc" in page and "Wedge angle</h3>" not in page
     found = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["verification"]
-    assert found["met"] == found["goals"] == 5
+    assert found["met"] == found["goals"] == 6
     reports.look_at(tmp_path / "report.html")
 
 

@@ -53,7 +53,7 @@ def parser() -> argparse.ArgumentParser:
     fmu.add_argument("--ssv", type=Path, metavar="SET.ssv", help="applied next, a parameter set: System Structure Parameter Values 1.0")
     text = "flat names, such as primary_torque instead of primary.torque, for tools that read a dot as a bus or a record; "
     fmu.add_argument("--flat", action="store_true", help=text + "--set and --ssv have the names with dots")
-    text = "for importers that read all outputs as Real: the others become local, and macroSlipReal is 1 where macroSlip is true"
+    text = "for importers that read all outputs as Real: the others become local, macroSlipReal and pastPeakReal are 1 for true"
     fmu.add_argument("--real-outputs", action="store_true", help=text)
     text = "with --fmi3, for importers that read no arrays: each element is a variable, such as profile.pushForce[1]"
     fmu.add_argument("--scalars", action="store_true", help=text)

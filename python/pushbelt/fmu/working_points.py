@@ -22,8 +22,8 @@ SHAFTS = {
     "primary.bearing.friction": 0.0,
     "secondary.bearing.friction": 1e-3,
     "secondary.bearing.radius": REFERENCE_LEVER / 1e-3,
-    # So light that its acceleration does not load the belt in a shift: a user of the rates has an own inertia.
-    "secondary.inertia": 0.003,
+    # With the inertia of a car neither shaft would follow a shift, because the primary speed is held.
+    "secondary.inertia": 0.03,
 }
 """Drag and inertia of the shafts at all points. These are parameters of `SteadyStates` in all functions below."""
 FADING_SPEED = 2.0  # Speed below which the drag of a shaft fades, rad/s: as in the FMU
@@ -33,10 +33,9 @@ OUTPUTS = ("thrustRatio", "slip", *LOSSES, "belt.speed", "ring.stressMax")
 POINT_COLUMNS = (*OUTPUTS, "beltTorqueLoss", "bearingLoad", "pastPeak")
 FIRST_SLIP, SLIP_FACTOR, MOST_SLIP = 0.01, 1.4, 0.6
 """First slip, factor between slips and largest slip in the search for the capacity."""
-HALVINGS = 3  # Of the interval of slips, by its logarithm, in which the traction has its peak
-TRIED = 1.01
-"""Utilisation up to which points are tried, relative to that at capacity: the search ends just before the peak of the traction."""
-HELD = 0.95  # Largest utilisation of shifts, relative to that at capacity
+FLAT = 0.01  # Relative growth of the utilisation from one slip to the next that counts as none
+TRIED = 1.05
+"""Utilisation up to which points are tried, relative to that at capacity: the search ends before the peak of the traction."""
 WINDOW = (0.06, 0.12)
 """Start and end of the window for the mean slope in a shift measurement, s after the jump: after its transient, before the ratio changes much."""
 TIME_STEP = 0.01  # Largest communication step in it, s
@@ -76,18 +75,17 @@ def point(unit: Instance, ratio: float) -> dict[str, float]:
     return found | {"beltTorqueLoss": -torques[0] - torques[1] / ratio, "bearingLoad": load, "pastPeak": float(unit.get("pastPeak"))}
 
 
-def limit(traction: Callable[[float], tuple[float, bool]], sign: float) -> tuple[float, float]:
-    """Slip and utilisation at capacity, the peak of the traction, in the direction of a sign. `traction` is the utilisation at
-    a slip, and whether it is past the peak. Slips grow by `SLIP_FACTOR` up to the peak."""
-    slip, factor = FIRST_SLIP, SLIP_FACTOR
-    (found, past), halvings = traction(sign * slip), 0
-    while halvings < HALVINGS and slip * factor < MOST_SLIP:
-        following, past = traction(sign * slip * factor)
-        if not past:
-            slip, found = slip * factor, following
-        if past or halvings:
-            factor, halvings = math.sqrt(factor), halvings + 1
-    return sign * slip, found
+def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float]:
+    """Slip and utilisation at capacity, in the direction of a sign. Slips grow by `SLIP_FACTOR` until the utilisation
+    grows by less than `FLAT`; beyond this slip the belt slips through."""
+    slip = FIRST_SLIP
+    found = sign * traction(sign * slip)
+    while slip * SLIP_FACTOR < MOST_SLIP:
+        following = sign * traction(sign * slip * SLIP_FACTOR)
+        if following < (1.0 + FLAT) * found:
+            break
+        slip, found = slip * SLIP_FACTOR, following
+    return sign * slip, sign * found
 
 
 def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
@@ -95,9 +93,9 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     reasons: dict[str, str] = {}
     capacity = torque_capacity(states.parameters, line.ratio, line.force)
 
-    def traction(slip: float) -> tuple[float, bool]:
+    def traction(slip: float) -> float:
         unit = states.at(driven_by_slip({}, line.ratio, line.speed, slip, line.force))
-        return -unit.get("primary.shaftTorque") / capacity, bool(unit.get("pastPeak"))
+        return -unit.get("primary.shaftTorque") / capacity
 
     (low, least), (high, most) = (limit(traction, sign) for sign in (-1.0, 1.0))
     points: list[dict[str, float] | None] = []
@@ -112,7 +110,7 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
 
     def rates(utilisation: float) -> list[float] | list[None]:
         try:
-            return shift_rates(states, line, min(max(utilisation, HELD * least), HELD * most), along.excesses)
+            return shift_rates(states, line, utilisation if least < utilisation < most else 0.0, along.excesses)
         except UnitError:
             return [None] * len(along.excesses)
 
@@ -120,7 +118,7 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     return {
         "points": {name: [None if found is None else found[name] for found in points] for name in POINT_COLUMNS},
         "capacity": [least, most], "capacitySlip": [low, high], "reasons": reasons,
-        "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low)[0] for s in along.shares],
+        "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low) for s in along.shares],
         "shiftRate": [rates(utilisation) for utilisation in along.shift_utilisations],
     }  # fmt: skip
 
@@ -137,11 +135,11 @@ def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: 
     for excess in excesses:
         unit.restore(state, begin)
         unit.set({"primary.clampingForce": holding * math.exp(excess)})
-        rates.append(-mean_slope(unit, line.speed) / line.speed)
+        rates.append(-_mean_slope(unit, line.speed) / line.speed)
     return rates
 
 
-def mean_slope(unit: Instance, speed: float) -> float:
+def _mean_slope(unit: Instance, speed: float) -> float:
     """Mean d(ln i)/dt after a jump at a primary speed, 1/s."""
     begin, step = unit.time, min(TIME_STEP, STEP_ANGLE / speed)
     logs = [math.log(unit.get("ratio.geometric"))]

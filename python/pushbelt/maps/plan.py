@@ -42,8 +42,8 @@ class Grid:
     """Torque utilisation; negative where the secondary pulley drives."""
     slip_share: tuple[float, ...] = (-1.0, -0.6, -0.35, -0.15, -0.05, 0.0, 0.05, 0.15, 0.35, 0.6, 1.0)
     """Slips of the traction, divided by the slip at capacity."""
-    shift_utilisation: tuple[float, ...] = (-0.5, 0.0, 0.5, 0.8)  # Torque utilisations at which shifts are measured
-    excess: tuple[float, ...] = (-0.9, -0.5, -0.25, -0.1, 0.0, 0.1, 0.2, 0.35, 0.5, 0.9)
+    shift_utilisation: tuple[float, ...] = (-0.3, 0.3)  # Torque utilisations at which shifts are measured
+    excess: tuple[float, ...] = (-0.9, -0.5, -0.25, -0.1, 0.0, 0.1, 0.25, 0.5, 0.9)
     """ln(F_P/(κ F_S)) of the shifts, with 0."""
 
     def __post_init__(self) -> None:
