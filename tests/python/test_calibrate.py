@@ -97,12 +97,12 @@ def solver(fmu: Path, archive: Archive) -> InProcess:
 
 @pytest.mark.slow
 def test_the_step_of_the_differences_stands_on_a_plateau(solver: InProcess, variables: Mapping[str, Any], monkeypatch: Any) -> None:
-    """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity. On the default mesh: on that
-    of short runs thrust ratios have waves over the friction coefficient."""
+    """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity. On twice the default mesh:
+    on coarser ones thrust ratios, and on the default mesh a shift gain (2.2 %), have waves over the friction coefficient."""
     chosen = parameters.choose({"friction.pulley": 0.087, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
     opened = model.Model([STEADY[1], STEADY[7], SHIFTS[0]], solver)
     place = np.array([parameter.coordinate(parameter.start) for parameter in chosen])
-    fixed = {**parameters.assign(chosen, place), **{name: int(variables[name].start) for name in MESH}}
+    fixed = {**parameters.assign(chosen, place), **{name: 2 * int(variables[name].start) for name in MESH}}
     (base,), found = opened.states([fixed]), []
     for step in (model.STEP / 3.0, model.STEP, 3.0 * model.STEP):
         monkeypatch.setattr(model, "STEP", step)
