@@ -56,6 +56,7 @@ pub mod cyclic;
 pub mod flanks;
 pub mod law;
 pub mod machine;
+pub mod oil;
 pub mod pulleys;
 pub mod ring;
 pub mod run;

@@ -18,39 +18,6 @@ use crate::belt::{Belt, Vector, dot};
 use crate::law::Law;
 use pushbelt::scalar::{LANES, Lanes, Real};
 
-/// Oil between two elements.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Oil {
-    /// C, N·s·m².
-    pub constant: f64,
-    /// h_0, m.
-    pub floor: f64,
-    /// F_c, N.
-    pub suction: f64,
-}
-
-impl Oil {
-    /// Oil with the force `squeeze`, N·s, per rate of strain of elements of `thickness` at zero
-    /// gap. 75 N·s at 6 µm are a tenth of oil of 10 mPa·s between faces of 8 by 24 mm.
-    pub fn of_squeeze(squeeze: f64, floor: f64, thickness: f64, suction: f64) -> Self {
-        Self {
-            constant: squeeze / thickness * floor.powi(3),
-            floor,
-            suction,
-        }
-    }
-
-    /// c' at the gap and its rate.
-    #[inline(always)]
-    pub(crate) fn coefficient<T: Real>(&self, gap: T, rate: T) -> T {
-        let wide = gap + self.floor;
-        let c = (wide * wide * wide).recip() * self.constant;
-        let fraction = c * rate * (1.0 / self.suction);
-        let (_, limited) = (fraction * fraction + 1.0).root_and_inverse();
-        c * rate.if_positive(limited, T::one())
-    }
-}
-
 rows! {
     /// Forces of the gaps; chord i is gap i.
     Stack {
@@ -126,6 +93,7 @@ mod tests {
     use crate::cyclic::Tridiagonal;
     use crate::law::Options;
     use crate::near;
+    use crate::oil::Oil;
     use pushbelt::variator::settings::Parameters;
 
     /// Elements in a straight row along x, with forces on them. The gap from the last to the first
@@ -197,14 +165,11 @@ mod tests {
         let speed = (1.0e7_f64 / 1.33).sqrt();
         assert!((speed - 2742.0).abs() < 0.5);
         let steps = (elements * row.law.thickness / speed / row.dt).round() as usize;
-        for _ in 0..steps {
-            row.step();
-        }
-        let (mut sum, mut moment) = (0.0, 0.0);
-        for (i, v) in row.belt.v.iter().enumerate().take(310).skip(235) {
-            sum += v.re;
-            moment += v.re * (i as f64 - middle);
-        }
+        (0..steps).for_each(|_| row.step());
+        let pulse = row.belt.v.iter().enumerate().take(310).skip(235);
+        let [sum, moment] = pulse.fold([0.0; 2], |[sum, moment], (i, v)| {
+            [sum + v.re, moment + v.re * (i as f64 - middle)]
+        });
         near(moment / sum, elements, 0.01);
     }
 
@@ -223,9 +188,7 @@ mod tests {
             row.belt.p[i] += 1.0e-2 * (i - 2) as f64;
         }
         let steps = 56_000;
-        for _ in 0..steps {
-            row.step();
-        }
+        (0..steps).for_each(|_| row.step());
         let gap = row.belt.p[2].re - row.belt.p[1].re - row.law.thickness;
         let wide = |gap: f64| (oil.floor + gap).powi(-2);
         let time = f64::from(steps) * row.dt;

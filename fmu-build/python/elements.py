@@ -17,9 +17,9 @@ import matplotlib.pyplot as plt
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "elements" / "results"
 sys.path.append(str(ROOT / "validation"))
+from pushbelt_validation.sections.single_elements import RATIOS  # noqa: E402
 from pushbelt_validation.theory.shifting import Belt  # noqa: E402
 
-RATIOS = {"low": 2.25, "under": 1.5, "medium": 1.0, "over": 0.667, "od": 0.444}
 COLOURS = ("#135eb3", "#c06f14", "#0b7a48", "#8e0c1a", "#6b7785")
 THEORY = Belt(math.radians(11.0), 0.09, 0.168, 0.703 - 2e-3 * math.pi)
 """The default belt."""

@@ -8,7 +8,7 @@ pub mod build;
 pub mod describe;
 pub mod docs;
 pub mod elements;
-pub mod live;
+pub mod live_page;
 pub mod program;
 pub mod test;
 pub mod wheel;

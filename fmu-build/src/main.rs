@@ -125,7 +125,7 @@ fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         Command::Wheel(arguments) => commands::wheel::run(&workspace, &arguments),
         Command::Describe => commands::describe::run(&workspace),
         Command::Docs => commands::docs::run(&workspace),
-        Command::Live => commands::live::run(&workspace),
+        Command::Live => commands::live_page::run(&workspace),
         Command::Elements(arguments) => commands::elements::run(&workspace, &arguments),
     }
 }

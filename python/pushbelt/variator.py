@@ -20,7 +20,7 @@ from .fmu.enumerations import RingModel
 from .fmu.files import default_fmu
 from .fmu.results import Profile, dataframe
 from .fmu.start_values import SETTABLE, StartValueError, checked
-from .fmu.unit import UnitError
+from .fmu.unit import TRUTHS, UnitError
 from .linear.model import LinearModel, LinearPointError
 from .linear.physical import NotPhysicalError
 from .points import FREQUENCY, LINEAR, Values, WorkingPoints, model_of
@@ -88,7 +88,7 @@ class Variator(WorkingPoints):
         super().__init__(archive, self._start)
         inputs = [v.name for v in self._declared.values() if v.causality == "input"]
         names = [*inputs, *calls.output_names(self._declared.values())]
-        self._names = ("time", *names, "macroSlip", "pastPeak")
+        self._names = ("time", *names, *TRUTHS)
         self._record = record if isinstance(record, Record) else Record(record)
         self._recording = Recording(self._names, self._record)
         self._now: NDArray[np.float64] | None = None  # The present row of outputs; None before the start
@@ -294,7 +294,7 @@ class Variator(WorkingPoints):
 
     def _read(self) -> None:
         """Reads the outputs, records them, and issues the warnings of the FMU."""
-        self._now = np.array([self.time, *self._open.get_reals(self._reals), *map(self._open.get, self._names[-2:])])
+        self._now = np.array([self.time, *self._open.get_reals(self._reals), *map(self._open.get, TRUTHS)])
         self._recording.add(self._now)
         self._warn()
 

@@ -23,7 +23,6 @@
 use super::{Jet, ReferencePoint, TwoPulley};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
-use std::array::from_fn;
 use std::f64::consts::PI;
 
 const SEGMENTS: usize = TwoPulley::SEGMENTS;
@@ -97,7 +96,11 @@ pub struct CurvePlace {
 }
 
 /// Start and vector of a strand, or their derivatives.
-type Strand<V> = [V; 2];
+#[derive(Clone, Copy, Debug)]
+struct Strand<V> {
+    start: V,
+    along: V,
+}
 
 /// [`TwoPulley`] at one place of a path.
 #[derive(Clone, Debug)]
@@ -168,13 +171,14 @@ struct Dimensions<V> {
     b: V,
 }
 
-/// The dimensions on a path through Θ and the distance d of the centres, and their derivatives with
-/// respect to Θ and spread.
-fn dimensions<T: Real>(
-    curve: &TwoPulley,
-    theta: &Jet<T>,
-    d: &Jet<T>,
-) -> (Dimensions<Jet<T>>, [Dimensions<T>; OF_SHAPE]) {
+/// The same on a path, and the derivatives with respect to Θ and spread.
+struct DimensionsOnPath<T> {
+    here: Dimensions<Jet<T>>,
+    by_shape: [Dimensions<T>; OF_SHAPE],
+}
+
+/// The dimensions on a path through Θ and the distance d of the centres.
+fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> DimensionsOnPath<T> {
     let by_theta = ratio(theta.v);
     let ratio = Jet {
         v: by_theta.v,
@@ -228,17 +232,18 @@ fn dimensions<T: Real>(
             b: (d.v * d_d - delta * d_delta) * per_b,
         }
     };
-    let by_shape = [
-        derivatives(by_i * i_theta, i_theta, T::zero()),
-        derivatives(by_d, T::zero(), T::one()),
-    ];
-    let here = Dimensions {
-        r_p,
-        r_s: ratio.times(r_p),
-        phi: jet(phi, phi_dot, phi_ddot),
-        b: jet(b, b_dot, b_ddot),
-    };
-    (here, by_shape)
+    DimensionsOnPath {
+        by_shape: [
+            derivatives(by_i * i_theta, i_theta, T::zero()),
+            derivatives(by_d, T::zero(), T::one()),
+        ],
+        here: Dimensions {
+            r_p,
+            r_s: ratio.times(r_p),
+            phi: jet(phi, phi_dot, phi_ddot),
+            b: jet(b, b_dot, b_ddot),
+        },
+    }
 }
 
 /// i_g with its derivatives with respect to Θ.
@@ -259,22 +264,39 @@ fn symmetric<V: Copy>(half: V, strand: V, arc: V) -> [V; SEGMENTS] {
 
 /// Pulley of each segment: of an arc its own, of a strand the one at its start.
 const PULLEYS: [usize; SEGMENTS] = [0, 0, 1, 1, 0];
-/// Tangent angle over each segment: its value at the start and its change along it, rad, each with
-/// its factor of φ.
-const ANGLES: [[[f64; 2]; 2]; SEGMENTS] = [
-    [[0.0, 0.0], [0.0, 1.0]],
-    [[0.0, 1.0], [0.0, 0.0]],
-    [[0.0, 1.0], [2.0 * PI, -2.0]],
-    [[2.0 * PI, -1.0], [0.0, 0.0]],
-    [[2.0 * PI, -1.0], [0.0, 1.0]],
-];
-
-/// The factor of φ in the tangent angle at a fraction of a segment.
-#[inline(always)]
-fn angle_by_phi<V: Real>(segment: usize, fraction: V) -> V {
-    let [[_, start], [_, sweep]] = ANGLES[segment];
-    fraction * sweep + start
+/// Tangent angle over a segment: its value at the start and its change along it, rad, and the factors
+/// of φ in both.
+struct SegmentAngle {
+    start: f64,
+    start_by_phi: f64,
+    sweep: f64,
+    sweep_by_phi: f64,
 }
+
+impl SegmentAngle {
+    const fn new(start: f64, start_by_phi: f64, sweep: f64, sweep_by_phi: f64) -> Self {
+        Self {
+            start,
+            start_by_phi,
+            sweep,
+            sweep_by_phi,
+        }
+    }
+
+    /// The factor of φ at a fraction of the segment.
+    #[inline(always)]
+    fn by_phi<V: Real>(&self, fraction: V) -> V {
+        fraction * self.sweep_by_phi + self.start_by_phi
+    }
+}
+
+const ANGLES: [SegmentAngle; SEGMENTS] = [
+    SegmentAngle::new(0.0, 0.0, 0.0, 1.0),
+    SegmentAngle::new(0.0, 1.0, 0.0, 0.0),
+    SegmentAngle::new(0.0, 1.0, 2.0 * PI, -2.0),
+    SegmentAngle::new(2.0 * PI, -1.0, 0.0, 0.0),
+    SegmentAngle::new(2.0 * PI, -1.0, 0.0, 1.0),
+];
 
 #[inline(always)]
 fn is_strand(segment: usize) -> bool {
@@ -291,9 +313,9 @@ impl<T: Real> TwoPulleyFrame<T> {
     /// Tangent angle χ at `fraction` of a segment, rad.
     #[inline(always)]
     pub fn angle(&self, segment: usize, fraction: T::Constant) -> Jet<T> {
-        let [[start, _], [sweep, _]] = ANGLES[segment];
-        let mut chi = self.turn.plus_scaled(self.phi, angle_by_phi(segment, fraction));
-        chi.v += T::constant(fraction * sweep + start);
+        let angle = &ANGLES[segment];
+        let mut chi = self.turn.plus_scaled(self.phi, angle.by_phi(fraction));
+        chi.v += T::constant(fraction * angle.sweep + angle.start);
         chi
     }
 
@@ -324,7 +346,7 @@ impl<T: Real> TwoPulleyFrame<T> {
         let chi = self.angle(segment, fraction);
         let kappa = self.curvature(segment);
         let (position, n) = if is_strand(segment) {
-            let [start, along] = self.strands[segment / 2];
+            let Strand { start, along } = self.strands[segment / 2];
             let n = turn_right(along.v * self.lengths[segment].v.recip());
             (start.plus_scaled(along, T::constant(fraction)), n)
         } else {
@@ -358,11 +380,11 @@ impl<T: Real> TwoPulleyFrame<T> {
         let (t, n) = (point.t, point.n);
         let [theta, spread] = self.d_shape.each_ref().map(|d| {
             let (r, kappa) = if is_strand(segment) {
-                let [start, along] = d.strands[segment / 2];
+                let Strand { start, along } = &d.strands[segment / 2];
                 (start + along * fraction, T::zero())
             } else {
                 let pulley = PULLEYS[segment];
-                let chi = angle_by_phi(segment, fraction) * d.phi;
+                let chi = ANGLES[segment].by_phi(fraction) * d.phi;
                 let across = n * -d.radius[pulley];
                 (
                     d.centers[pulley] + across + t * ((self.radius[pulley].v + self.growth.v) * chi),
@@ -427,7 +449,8 @@ impl TwoPulley {
         } = *path;
         let axes = self.center_distance;
         let distance = spread.plus_scaled(Jet::constant(axes), 1.0);
-        let (Dimensions { r_p, r_s, phi, b }, by_shape) = dimensions(self, &theta, &distance);
+        let DimensionsOnPath { here, by_shape } = dimensions(self, &theta, &distance);
+        let Dimensions { r_p, r_s, phi, b } = here;
         let radius = [r_s, r_p];
         let grown = radius.map(|radius| radius.plus_scaled(growth, 1.0));
         let half = r_s.times(phi);
@@ -452,11 +475,11 @@ impl TwoPulley {
         let strands = [(0, upper), (1, lower)].map(|(pulley, chi)| {
             let start = centers[pulley].plus_scaled(Jet::polar(grown[pulley], chi), T::one());
             let along = Jet::polar(b, chi.plus_scaled(quarter, 1.0));
-            [start, along]
+            Strand { start, along }
         });
         let per_length = lengths.map(|length| length.v.recip());
         let toward = arm.v * (distance.v * 0.5).recip();
-        let d_shape = from_fn(|k| {
+        let d_shape = std::array::from_fn(|k| {
             let d = &by_shape[k];
             let d_radius = [d.r_s, d.r_p];
             let arc = |radius: T, d_radius: T, angle: T, d_angle: T| d_radius * angle + radius * d_angle;
@@ -472,13 +495,13 @@ impl TwoPulley {
             let apart = T::from(if k == 0 { 0.0 } else { 0.5 });
             let centers = [toward * apart, toward * -apart];
             let per_b = b.v.recip();
-            let strands = from_fn(|strand| {
-                let t = strands[strand][1].v * per_b;
+            let strands = std::array::from_fn(|strand| {
+                let t = strands[strand].along.v * per_b;
                 let n = turn_right(t);
                 let chi = if strand == 0 { d.phi } else { -d.phi };
                 let start = centers[strand] - n * d_radius[strand] + t * (grown[strand].v * chi);
                 let along = t * d.b + n * (b.v * chi);
-                [start, along]
+                Strand { start, along }
             });
             ShapeDerivatives {
                 centers,
@@ -486,7 +509,7 @@ impl TwoPulley {
                 phi: d.phi,
                 lengths: d_lengths,
                 starts,
-                dilations: from_fn(|k| d_lengths[k] * per_length[k]),
+                dilations: std::array::from_fn(|k| d_lengths[k] * per_length[k]),
                 strands,
             }
         });

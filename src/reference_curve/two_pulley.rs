@@ -27,6 +27,12 @@ pub struct TwoPulley {
     pub(super) length: f64,
 }
 
+/// Length of the curve less L, m, and its derivative with respect to r_P, α_P + i_g α_S.
+struct Closure {
+    excess: f64,
+    slope: f64,
+}
+
 /// The belt does not fit the pulleys.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
@@ -62,14 +68,16 @@ impl TwoPulley {
         self.length
     }
 
-    /// Closure (27) at ratio `ratio`: length of the curve less L, m, and its derivative with respect
-    /// to r_P, α_P + i_g α_S.
-    fn closure(&self, r_p: f64, ratio: f64) -> [f64; 2] {
+    /// Closure (27) at ratio `ratio`.
+    fn closure(&self, r_p: f64, ratio: f64) -> Closure {
         let (d, difference) = (self.center_distance, r_p - ratio * r_p);
         let phi = (difference / d).acos();
         let slope = 2.0 * (PI - phi) + 2.0 * phi * ratio;
         let strand = (d * d - difference * difference).sqrt();
-        [2.0 * strand + slope * r_p - self.length, slope]
+        Closure {
+            excess: 2.0 * strand + slope * r_p - self.length,
+            slope,
+        }
     }
 
     /// r_P at ratio `ratio`, m; NaN where there is none.
@@ -88,7 +96,7 @@ impl TwoPulley {
         let limit = MAX_SINE * d / (1.0 - ratio).abs();
         r_p = r_p.max(0.0).min(limit);
         for _ in 0..NEWTON_STEPS {
-            let [excess, slope] = self.closure(r_p, ratio);
+            let Closure { excess, slope } = self.closure(r_p, ratio);
             let step = excess / slope;
             r_p = (r_p - step).min(limit);
             if step.abs() < CLOSED * self.length {
@@ -105,7 +113,7 @@ impl TwoPulley {
     pub fn radii(&self, ratio: f64) -> Result<PerPulley<f64>, GeometryError> {
         let primary = self.primary_radius(ratio);
         let secondary = ratio * primary;
-        let closes = self.closure(primary, ratio)[0].abs() < CLOSED * self.length;
+        let closes = self.closure(primary, ratio).excess.abs() < CLOSED * self.length;
         if ratio > 0.0 && closes && primary > 0.0 && secondary > 0.0 {
             Ok(PerPulley { secondary, primary })
         } else {

@@ -16,12 +16,11 @@ from lxml import etree
 from pushbelt import cli
 from pushbelt.fmu.copies import ARM, LINUX, REALS, SCALARS
 from pushbelt.fmu.flat import DESCRIPTION, KEYWORDS, TERMINALS, flat
-from pushbelt.fmu.unit import Archive, Instance
+from pushbelt.fmu.unit import TRUTHS, Archive, Instance
 from pushbelt.whole_file import copy_archive
 
 OUTPUTS = ("thrustRatio", "primary.speed", "ratio.geometric", "profile.pushForce[7]")
 START = {"ring.model": 1, "initial.ratio": 1.4, "primary.clampingForce": 15e3}
-TRUTHS = ("macroSlip", "pastPeak")
 OVER = {"primary.torque": 400.0, "secondary.torque": -49.0, "primary.clampingForce": 13e3, "secondary.clampingForce": 10e3}
 """Inputs at which the belt slips through."""
 SHOWN = ("profile.pushForce[1]", "profile.pushForce[72]", "profile.gap[7]", "thrustRatio")

@@ -7,7 +7,7 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 
 use crate::cargo;
-use crate::commands::{describe, live};
+use crate::commands::{describe, live_page};
 use crate::mdbook::MdBook;
 use crate::progress;
 use crate::workspace::{self, Workspace};
@@ -38,7 +38,7 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     let api = book.join("api");
     workspace::copy_tree(&workspace.target().join("doc"), &api)?;
 
-    copy_live(&live::path(workspace), &book.join("live.html"))?;
+    copy_live(&live_page::path(workspace), &book.join("live.html"))?;
 
     progress::headline("Checking the links");
     let mut check = cargo::command(workspace);

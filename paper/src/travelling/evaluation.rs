@@ -162,7 +162,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         let motion = CellMotion::from_unknowns(first, |part, k| of.unknown(part, k));
         let of_mesh = &belt.mesh.cells[over.cell];
         let element = &belt.mesh.elements[of_mesh.element];
-        let [layer_drags, rotation_drags] = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
+        let drags = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
         let geometry = CellGeometry {
             // Stations of the mesh have fractions of the segment.
             extent: Extent {
@@ -174,8 +174,8 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             axis: law.axes[of_mesh.pulley],
             plane: law.planes[of_mesh.pulley],
             length: Jet::constant(0.0).plus_scaled(frame.segment_length(element.segment), element.length),
-            layer_drag: layer_drags[of_mesh.pulley],
-            rotation_drag: rotation_drags[of_mesh.pulley],
+            layer_drag: drags.layers[of_mesh.pulley],
+            rotation_drag: drags.rotation[of_mesh.pulley],
         };
         let drift = of.unknown(StateComponent::Position, globals);
         let per_element = self.ring.element_length().recip();

@@ -30,6 +30,7 @@ try:
 except OSError:
     # fmpy has no such library for Linux on ARM. A message without a per cent sign arrives whole without it.
     logging = None
+TRUTHS = ("macroSlip", "pastPeak")  # Outputs that are true or false
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {one.name: re.sub("_(.)", lambda found: found[1].upper(), one.name) for one in fields(Profile)}
 """Names of the fields along the belt in the FMU."""
@@ -211,7 +212,7 @@ class Instance(AbstractContextManager["Instance"]):
     def outputs(self) -> dict[str, float]:
         reals = self.reals(output_names(self.variables.values()))
         values = dict(zip(reals.names, self.get_reals(reals).tolist(), strict=True))
-        return values | {name: float(self.get(name)) for name in ("macroSlip", "pastPeak")}
+        return values | {name: float(self.get(name)) for name in TRUTHS}
 
     def profile(self) -> Profile:
         names = {name: [f"profile.{field}[{k + 1}]" for k in range(PROFILE_POINTS)] for name, field in PROFILE_FIELDS.items()}

@@ -13,12 +13,11 @@ from pushbelt.fmu.closing import closing_at
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.steady import SteadyStates, driven_by_torque
-from pushbelt.fmu.unit import UnitError
+from pushbelt.fmu.unit import TRUTHS, UnitError
 from pushbelt.study.tasks import Row
 
 SHORT_STEP = 1e-3
 """Length of the step after which the outputs are read, s. In a steady state they do not change during this step."""
-TRUTHS = ("macroSlip", "pastPeak")  # Outputs that are true or false
 
 Point = Mapping[str, float]
 """A working point: values by names of FMU variables, and `utilisation`: the primary torque over that at which the belt slips through,

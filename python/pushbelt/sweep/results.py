@@ -11,12 +11,12 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from pushbelt.fmu.unit import output_names
+from pushbelt.fmu.unit import TRUTHS, output_names
 from pushbelt.study.tasks import Row
 from pushbelt.whole_file import write_whole
 
 from .design import Design
-from .point import SHORT_STEP, TRUTHS, capacity
+from .point import SHORT_STEP, capacity
 from .study import AXES, Study
 
 METADATA = b"pushbelt.study"  # Key of the study's description (JSON) in the metadata of the results

@@ -9,8 +9,8 @@ use crate::variator::cell::laws::{ARGUMENTS, Arguments, FORCES, OfLaws, Tangents
 use crate::variator::cell::variation::{Direction, Linearised};
 use crate::variator::rings::{Degrees, MOST, MOST_ROWS, RingKind, VaryingRing};
 use num_traits::Zero;
-use std::array::from_fn;
 
+/// Derivatives of a pack of cells.
 #[derive(Clone, Debug)]
 pub(crate) struct Derivatives {
     /// Direction by direction for each row of the balance.
@@ -62,14 +62,14 @@ impl Derivatives {
         let mut count = 0;
         let laws = now.iter().zip(then).zip(self.right.chunks_exact(ARGUMENTS * width));
         for (law, ((now, then), right)) in laws.enumerate() {
-            let right: [&[Lanes]; ARGUMENTS] = from_fn(|k| &right[k * width..][..width]);
+            let right: [&[Lanes]; ARGUMENTS] = std::array::from_fn(|k| &right[k * width..][..width]);
             for (force, (now, then)) in
                 now.iter().zip(then).enumerate().filter(|(_, (now, then))| now != then)
             {
-                let by: Arguments<Lanes> = from_fn(|k| now[k] - then[k]);
-                let (changed, through) = &mut changes[count];
-                *changed = law * FORCES + force;
-                for (column, to) in through[..width].iter_mut().enumerate() {
+                let by: Arguments<Lanes> = std::array::from_fn(|k| now[k] - then[k]);
+                let change = &mut changes[count];
+                change.force = law * FORCES + force;
+                for (column, to) in change.through[..width].iter_mut().enumerate() {
                     *to = along(&by, &right.map(|right| right[column]));
                 }
                 count += 1;
@@ -82,14 +82,14 @@ impl Derivatives {
         for (row, (to, block)) in rows.enumerate() {
             to.copy_from_slice(block);
             for four in fours.clone() {
-                let by: [Lanes; 4] = from_fn(|k| force_rows(four[k].0, row));
-                let through: [&[Lanes]; 4] = from_fn(|k| &four[k].1[..width]);
+                let by: [Lanes; 4] = std::array::from_fn(|k| force_rows(four[k].force, row));
+                let through: [&[Lanes]; 4] = std::array::from_fn(|k| &four[k].through[..width]);
                 for (column, to) in to.iter_mut().enumerate() {
                     *to += (by[0] * through[0][column] + by[1] * through[1][column])
                         + (by[2] * through[2][column] + by[3] * through[3][column]);
                 }
             }
-            for (force, through) in fours.remainder() {
+            for Change { force, through } in fours.remainder() {
                 let by = force_rows(*force, row);
                 to.iter_mut()
                     .zip(through)
@@ -153,7 +153,11 @@ impl Derivatives {
 }
 
 /// A force with changed tangents, and its (S_new − S) R.
-type Change = (usize, [Lanes; MOST]);
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    force: usize,
+    through: [Lanes; MOST],
+}
 
 /// Working memory of [`Derivatives::current`].
 #[derive(Clone, Debug)]
@@ -164,8 +168,12 @@ pub(crate) struct UpdateWork {
 
 impl UpdateWork {
     pub fn new(degrees: &Degrees) -> Self {
+        let unchanged = Change {
+            force: 0,
+            through: [Lanes::zero(); MOST],
+        };
         Self {
-            changes: Box::new([[(0, [Lanes::zero(); MOST]); FORCES]; _]),
+            changes: Box::new([[unchanged; FORCES]; _]),
             out: vec![Lanes::zero(); degrees.rows * degrees.count],
         }
     }

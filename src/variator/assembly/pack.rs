@@ -64,7 +64,7 @@ impl Pack {
         law: &CellLaw,
         frame: &TwoPulleyFrame<T>,
     ) -> CellGeometry<'_, T> {
-        let [layer_drag, rotation_drag] = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
+        let drags = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps());
         let on = &self.group.on;
         let mean = |drag: PerPulley<T>| drag.secondary * on.secondary + drag.primary * on.primary;
         CellGeometry {
@@ -74,8 +74,8 @@ impl Pack {
             axis: self.axis,
             plane: self.plane,
             length: Jet::constant(0.0).plus_scaled(frame.segment_length(self.segment), self.extent.length),
-            layer_drag: mean(layer_drag),
-            rotation_drag: mean(rotation_drag),
+            layer_drag: mean(drags.layers),
+            rotation_drag: mean(drags.rotation),
         }
     }
 

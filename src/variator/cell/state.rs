@@ -253,7 +253,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             let elastic = flanks
                 .forces
                 .map(|force| force.elastic() * stack.lambda * law.wedge.cos);
-            of_flanks.plus(&kinematics.normal_forces(law, elastic, geometry.plane.side), -1.0)
+            of_flanks - kinematics.normal_forces(law, elastic, geometry.plane.side)
         };
         let mut inward = [T::zero(); 2];
         for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {

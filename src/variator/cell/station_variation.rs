@@ -284,11 +284,11 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             let varied = at.normal_forces(law, [by(0), by(D - 2)], given.geometry.plane.side);
             let both = (elastic[0] + elastic[1]) * stack.lambda;
             let tilted = [flank.opening, flank.opening_slope, Lanes::from(0.0)].map(|by| both * by);
-            on_speed = on_speed.plus(&varied, -1.0).plus(&LineForces::new(at, tilted), -1.0);
+            on_speed = on_speed - varied - LineForces::new(at, tilted);
         }
         if MOVES {
-            of_flanks = of_flanks.plus(&self.forces.of_flanks.turned(flank.turn), 1.0);
-            on_speed = on_speed.plus(&self.forces.on_speed.turned(flank.turn), 1.0);
+            of_flanks = of_flanks + self.forces.of_flanks.turned(flank.turn);
+            on_speed = on_speed + self.forces.on_speed.turned(flank.turn);
         }
         let mut moment = at.e_r * (all.loads.axial * 0.5 * at.rho);
         if MOVES {

@@ -3,9 +3,10 @@
 use crate::contact::{Contact, Friction};
 use crate::pulley::{PerPulley, Wedge};
 use crate::reference_curve::Jet;
+use crate::ring::Joints;
+use crate::ring::Ring;
 use crate::ring::kinematics::{Motion, ReferenceMotion};
 use crate::ring::layers::Layers;
-use crate::ring::{Joints, Ring};
 use crate::scalar::Real;
 use crate::solver::Factors;
 use crate::stack::{self, Transport};
@@ -53,6 +54,15 @@ pub struct SheavePlane<L = f64> {
     pub middle: L,
 }
 
+/// Coefficients of drag on the arc of each pulley.
+#[derive(Clone, Copy, Debug)]
+pub struct ArcDrags<T> {
+    /// [`CellGeometry::layer_drag`].
+    pub layers: PerPulley<T>,
+    /// [`CellGeometry::rotation_drag`], kg/m.
+    pub rotation: PerPulley<T>,
+}
+
 impl CellLaw {
     /// Whether the belt is a pull chain.
     #[inline(always)]
@@ -61,18 +71,18 @@ impl CellLaw {
         self.joints.is_some()
     }
 
-    /// [`CellGeometry::layer_drag`] and [`CellGeometry::rotation_drag`], kg/m, on the arcs of a ring
-    /// with these radii, m, and wrap angles, rad, the secondary first.
+    /// Drag on the arcs of a ring with these radii, m, and wrap angles, rad, the secondary first.
     #[inline(always)]
     #[must_use]
-    pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [PerPulley<T>; 2] {
+    pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> ArcDrags<T> {
         let radii = radii.map(|radius| radius - self.stack.pitch_offset);
         let [radii, wraps] = [radii, wraps].map(|[secondary, primary]| PerPulley { secondary, primary });
         let layers = match self.joints {
             Some(joints) => joints.drag_coefficients(radii, wraps),
             None => self.layers.drag_coefficients(radii),
         };
-        [layers, rotation_drag_coefficients(&self.stack, radii, wraps)]
+        let rotation = rotation_drag_coefficients(&self.stack, radii, wraps);
+        ArcDrags { layers, rotation }
     }
 }
 

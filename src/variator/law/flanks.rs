@@ -6,6 +6,7 @@ use crate::ring::kinematics::{embed, in_plane};
 use crate::scalar::Real;
 use crate::variator::law::arguments::{CellInput, CellLaw, PulleyLoad, PulleyMotion, SheavePlane};
 use nalgebra::{SVector, Vector2};
+use std::ops::{Add, Sub};
 
 /// Loads of flanks on an element, per ring length.
 #[derive(Clone, Copy, Debug, Default)]
@@ -131,19 +132,34 @@ impl<T: Real, const D: usize> LineForces<T, D> {
         }
     }
 
-    /// The sum with another one times `factor`.
-    #[inline(always)]
-    pub fn plus(&self, other: &Self, factor: f64) -> Self {
-        Self {
-            pitch: self.pitch + other.pitch * T::from(factor),
-            ring: self.ring + other.ring * T::from(factor),
-        }
-    }
-
     /// Force along `direction`.
     #[inline(always)]
     pub fn along(&self, direction: &SVector<T, D>) -> T {
         self.pitch.dot(&in_plane(direction)) + self.ring.dot(direction)
+    }
+}
+
+impl<T: Real, const D: usize> Add for LineForces<T, D> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self {
+            pitch: self.pitch + other.pitch,
+            ring: self.ring + other.ring,
+        }
+    }
+}
+
+impl<T: Real, const D: usize> Sub for LineForces<T, D> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self {
+            pitch: self.pitch - other.pitch,
+            ring: self.ring - other.ring,
+        }
     }
 }
 

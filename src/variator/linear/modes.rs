@@ -22,7 +22,7 @@ pub fn modes(parameters: &Parameters, inputs: &Inputs, frequency: f64) -> Result
     let descriptor = Descriptor::new(&mut point.system, &point.state);
     let cut_off = std::f64::consts::TAU * frequency;
     let shift = SHIFT * cut_off;
-    let (inverted, _) = balanced(&descriptor.factors(shift).solve(&descriptor.e))?;
+    let inverted = Balanced::new(&descriptor.factors(shift).solve(&descriptor.e))?.matrix;
     let values = inverted.eigenvalues().map_err(|_| LinearError::Eigenvalues)?;
     let mut modes: Vec<[f64; 2]> = values
         .iter()
@@ -35,15 +35,24 @@ pub fn modes(parameters: &Parameters, inputs: &Inputs, frequency: f64) -> Result
 }
 
 /// D⁻¹MD, whose rows have the norms of its columns. Without balancing, rounding moves eigenvalues
-/// near the cut-off by a tenth, because the unknowns have many units. With it the diagonal of D.
-fn balanced(matrix: &Mat<f64>) -> Result<(Mat<f64>, Vec<f64>), LinearError> {
-    let n = matrix.nrows();
-    let mut copy = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)]);
-    if copy.iter().any(|x| !x.is_finite()) {
-        return Err(LinearError::Eigenvalues);
+/// near the cut-off by a tenth, because the unknowns have many units.
+struct Balanced {
+    matrix: Mat<f64>,
+    /// The diagonal of D.
+    scale: Vec<f64>,
+}
+
+impl Balanced {
+    fn new(matrix: &Mat<f64>) -> Result<Self, LinearError> {
+        let n = matrix.nrows();
+        let mut copy = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)]);
+        if copy.iter().any(|x| !x.is_finite()) {
+            return Err(LinearError::Eigenvalues);
+        }
+        let scale = balance_parlett_reinsch(&mut copy).iter().copied().collect();
+        let matrix = Mat::from_fn(n, n, |i, j| copy[(i, j)]);
+        Ok(Self { matrix, scale })
     }
-    let scale = balance_parlett_reinsch(&mut copy).iter().copied().collect();
-    Ok((Mat::from_fn(n, n, |i, j| copy[(i, j)]), scale))
 }
 
 /// The eigenvalue of the pencil that belongs to `value` of (σE − A)⁻¹E.
@@ -64,7 +73,10 @@ pub(super) struct SlowModes {
 }
 
 /// An eigenvalue of the pencil with a vector.
-type Eigenpair = (c64, Vec<c64>);
+struct Eigenpair {
+    lambda: c64,
+    vector: Vec<c64>,
+}
 
 /// Modes with |λ| below `cut_off`, neutral ones left out: λ = σ − 1/μ for the eigenvalues μ of (σE
 /// − A)⁻¹E. `factors` are those of σE − A.
@@ -74,33 +86,33 @@ pub(super) fn slow_modes(
     cut_off: f64,
 ) -> Result<SlowModes, LinearError> {
     let shift = SHIFT * cut_off;
-    let (matrix, scale) = balanced(&factors.solve(&descriptor.e))?;
+    let Balanced { matrix, scale } = Balanced::new(&factors.solve(&descriptor.e))?;
     // One of each pair of conjugates.
     let pairs = |matrix: &Mat<f64>| -> Result<Vec<Eigenpair>, LinearError> {
         let eigen = matrix.eigen().map_err(|_| LinearError::Eigenvalues)?;
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
-        let pair = |k: usize| {
-            let vector = (0..matrix.nrows()).map(|i| vectors[(i, k)]).collect();
-            (unshifted(shift, values[k]), vector)
+        let pair = |k: usize| Eigenpair {
+            lambda: unshifted(shift, values[k]),
+            vector: (0..matrix.nrows()).map(|i| vectors[(i, k)]).collect(),
         };
         let all = (0..values.nrows()).map(pair);
-        Ok(all.filter(|(lambda, _)| lambda.im >= 0.0).collect())
+        Ok(all.filter(|pair| pair.lambda.im >= 0.0).collect())
     };
     let mut right = pairs(&matrix)?;
-    right.retain(|(lambda, _)| is_slow(*lambda, cut_off));
-    right.sort_by(|(a, _), (b, _)| a.norm().total_cmp(&b.norm()));
+    right.retain(|pair| is_slow(pair.lambda, cut_off));
+    right.sort_by(|a, b| a.lambda.norm().total_cmp(&b.lambda.norm()));
     // Left eigenvectors w of D⁻¹(σE − A)⁻¹ED; those of the pencil are w D⁻¹(σE − A)⁻¹. Rounding may
     // move an eigenvalue across the cut-off, so each is matched with the nearest one.
     let mut others = pairs(&matrix.transpose().to_owned())?;
     let mut left = Vec::with_capacity(right.len());
-    for &(lambda, _) in &right {
-        let distance = |k: usize| (others[k].0 - lambda).norm();
+    for &Eigenpair { lambda, .. } in &right {
+        let distance = |k: usize| (others[k].lambda - lambda).norm();
         let nearest = (0..others.len())
             .min_by(|&i, &j| distance(i).total_cmp(&distance(j)))
             .ok_or(LinearError::Eigenvalues)?;
         let found = others.swap_remove(nearest);
-        let differs = (found.0 - lambda).norm() > 0.1 * lambda.norm();
-        if differs || is_oscillation(found.0) != is_oscillation(lambda) {
+        let differs = (found.lambda - lambda).norm() > 0.1 * lambda.norm();
+        if differs || is_oscillation(found.lambda) != is_oscillation(lambda) {
             return Err(LinearError::Eigenvalues);
         }
         left.push(found);
@@ -112,7 +124,7 @@ pub(super) fn slow_modes(
     };
     let left = factors.solve_transpose(&scaled(&left_basis, &|i| 1.0 / scale[i]));
     let mut poles = Vec::new();
-    for (lambda, _) in &right {
+    for Eigenpair { lambda, .. } in &right {
         if is_oscillation(*lambda) {
             poles.extend([[lambda.re, lambda.im], [lambda.re, -lambda.im]]);
         } else {
@@ -136,9 +148,10 @@ fn is_oscillation(lambda: c64) -> bool {
     lambda.im > 1.0e-9 * lambda.norm()
 }
 
+/// Real and imaginary parts of eigenvectors.
 fn real_basis(modes: &[Eigenpair], rows: usize) -> Mat<f64> {
     let mut columns: Vec<Vec<f64>> = Vec::new();
-    for (lambda, vector) in modes {
+    for Eigenpair { lambda, vector } in modes {
         columns.push(vector.iter().map(|x| x.re).collect());
         if is_oscillation(*lambda) {
             columns.push(vector.iter().map(|x| x.im).collect());

@@ -42,6 +42,12 @@ pub struct External {
     pub clamping: f64,
 }
 
+/// Tilt of the sheaves of a pulley, rad, and its rate, rad/s.
+struct TiltMotion {
+    psi: [f64; 2],
+    rate: [f64; 2],
+}
+
 /// Motion on which the equation of a sheave depends.
 struct SheaveMotion<T> {
     /// Position, speed and acceleration of the sheave.
@@ -258,7 +264,7 @@ impl<'a> Pulleys<'a> {
 
     fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
         let law = self.tilt_law(pulley);
-        let [psi, rate] = self.tilt(pulley, view);
+        let TiltMotion { psi, rate } = self.tilt(pulley, view);
         let moment = law.moment(psi, rate);
         for axis in 0..2 {
             let i = self.layout().tilt(pulley, axis);
@@ -320,9 +326,12 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Tilt of the sheaves of a pulley, rad, and its rate, rad/s.
-    fn tilt(&self, pulley: Pulley, view: View<'_>) -> [[f64; 2]; 2] {
-        [view.y, view.y_dot].map(|of| [0, 1].map(|axis| of[self.layout().tilt(pulley, axis)]))
+    fn tilt(&self, pulley: Pulley, view: View<'_>) -> TiltMotion {
+        let unknowns = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
+        TiltMotion {
+            psi: unknowns.map(|i| view.y[i]),
+            rate: unknowns.map(|i| view.y_dot[i]),
+        }
     }
 
     fn tilt_jacobian(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
@@ -332,7 +341,7 @@ impl<'a> Pulleys<'a> {
             unknowns.iter().for_each(|&i| out.set_unit_row(i, CONSTRAINT_SCALE));
             return;
         }
-        let [psi, rate] = self.tilt(pulley, view);
+        let TiltMotion { psi, rate } = self.tilt(pulley, view);
         let seeded = |tilt: [f64; 2], slope| {
             std::array::from_fn(|axis| Tangent::<2, f64>::seed(tilt[axis], axis, slope))
         };
@@ -410,7 +419,7 @@ impl<'a> Pulleys<'a> {
             let rate = view.y[self.layout().sheave(pulley)];
             loss += of.sheave_damping * rate * rate - self.stop(pulley, view).viscous * rate;
             if !of.tilt.is_rigid() {
-                let [psi, rate] = self.tilt(pulley, view);
+                let TiltMotion { psi, rate } = self.tilt(pulley, view);
                 loss += 2.0 * of.tilt.loss(psi, rate);
             }
         }
@@ -431,13 +440,13 @@ impl<'a> Pulleys<'a> {
         if law.is_rigid() {
             return 0.0;
         }
-        let [[start, start_rate], [end, end_rate]] = [before, after].map(|view| self.tilt(pulley, view));
-        let (first, second) = (law.moment(start, start_rate), law.moment(end, end_rate));
+        let [start, end] = [before, after].map(|view| self.tilt(pulley, view));
+        let [first, second] = [&start, &end].map(|tilt| law.moment(tilt.psi, tilt.rate));
         let work: f64 = (0..2)
-            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end[axis] - start[axis]))
+            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end.psi[axis] - start.psi[axis]))
             .sum();
-        let lost = work - (law.energy(end) - law.energy(start));
-        let trapezoid = 0.5 * h * (law.loss(start, start_rate) + law.loss(end, end_rate));
+        let lost = work - (law.energy(end.psi) - law.energy(start.psi));
+        let trapezoid = 0.5 * h * (law.loss(start.psi, start.rate) + law.loss(end.psi, end.rate));
         // Both sheaves.
         2.0 * (lost - trapezoid)
     }
@@ -454,7 +463,7 @@ impl<'a> Pulleys<'a> {
                 + self.travel(pulley).energy(view.q[z])
                 + of.cylinder.energy(view.q[z]);
             if !of.tilt.is_rigid() {
-                energy += 2.0 * of.tilt.energy(self.tilt(pulley, view)[0]);
+                energy += 2.0 * of.tilt.energy(self.tilt(pulley, view).psi);
             }
         }
         energy

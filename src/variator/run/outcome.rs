@@ -130,3 +130,10 @@ impl Event {
         }
     }
 }
+
+/// Why a start is not the requested one, what it is instead, and what helps.
+pub(super) struct OtherStart<'a> {
+    pub why: &'a str,
+    pub instead: &'a str,
+    pub helps: &'a str,
+}

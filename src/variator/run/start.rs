@@ -1,6 +1,6 @@
 //! The state that a run starts from: unloaded or steady by the parameters, else the nearest.
 
-use super::outcome::{InitialisationError, StepError};
+use super::outcome::{InitialisationError, OtherStart, StepError};
 use super::simulation::Simulation;
 use super::steady_start::NoSteadyState;
 use super::stepper::Stepper;
@@ -99,6 +99,7 @@ impl Simulation {
         self.log(true, text.into());
     }
 
+    /// Sets the state that a run starts from.
     fn find_state(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.end_soft_start();
         if let Some(material) = self.system.belt.material_mesh.clone() {
@@ -116,19 +117,23 @@ impl Simulation {
             NoSteadyState::NotFound(why) => {
                 self.start_unloaded(start)?;
                 let duration = SOFT_START.duration;
-                let instead = format!("the belt without load, and friction sharpens over {duration} s");
-                let helps = "larger clamping forces, another initial.ratio, or forces that come in after a start with initial.steady = false";
-                Ok(self.start_from(StartState::NotFound, [&why, &instead, helps]))
+                let other = OtherStart {
+                    why: &why,
+                    instead: &format!("the belt without load, and friction sharpens over {duration} s"),
+                    helps: "larger clamping forces, another initial.ratio, or forces that come in after a start with initial.steady = false",
+                };
+                Ok(self.start_from(StartState::NotFound, &other))
             }
         })
     }
 
-    /// Notes another start than the requested one: why, what it is instead, and what helps.
-    pub fn start_from(&mut self, found: StartState, [why, instead, helps]: [&str; 3]) -> StartState {
+    /// Notes another start than the requested one, with its reason.
+    pub fn start_from(&mut self, found: StartState, other: &OtherStart<'_>) -> StartState {
         let (of, inputs) = (&self.system.parameters, &self.given);
         let ratio = of.initial.ratio;
         let GivenSpeed { name, value: speed } = given_speed(of, inputs);
         let clamping = of.total_clamping_forces(inputs, ratio, self.primary_speed()).map(short);
+        let OtherStart { why, instead, helps } = other;
         let [first, second] = [inputs.primary.torque, inputs.secondary.torque];
         self.other_start = Some(format!(
             "{why}; asked for: ratio {ratio}, {name} = {speed} rad/s, torques {first} and {second} N·m and clamping forces {} and {} N \
@@ -151,9 +156,12 @@ impl Simulation {
             return Ok(StartState::Clamped);
         };
         self.start_unloaded(start)?;
-        let why = format!("the belt was not clamped at a standstill: {why}");
-        let helps = "other clamping forces, or a start with initial.steady = false";
-        Ok(self.start_from(StartState::NotFound, [&why, "the belt without load", helps]))
+        let other = OtherStart {
+            why: &format!("the belt was not clamped at a standstill: {why}"),
+            instead: "the belt without load",
+            helps: "other clamping forces, or a start with initial.steady = false",
+        };
+        Ok(self.start_from(StartState::NotFound, &other))
     }
 
     /// Whether a belt at a standstill may have crept: both pulleys stand still under clamping

@@ -1,6 +1,7 @@
 //! The steady state that a run starts from, at the given torques or at the largest possible
 //! fraction.
 
+use super::outcome::OtherStart;
 use super::simulation::Simulation;
 use super::tuning::{
     CLOSE_FRACTION, LEAST_FRACTION, NEXT_FRACTION, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK,
@@ -14,6 +15,7 @@ use crate::variator::settings::capacity::{TorqueDemand, excessive_speed};
 use crate::variator::settings::{Axial, Drive, StartState};
 use crate::variator::steady::solve::{SteadySolver, SteadyTask, geometric_ratio, reaction};
 
+/// Why there is no steady state to start from.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum NoSteadyState {
     /// The inputs can't be intended.
@@ -70,10 +72,12 @@ impl Simulation {
         let fraction = self.solve_largest_torque(newton, clamped.other(), demand)?;
         let mut found = StartState::Steady;
         if fraction < 1.0 {
-            let why = "no steady state was found at the torques, which may be beyond the capacity of the clamping forces";
-            let instead = format!("the steady state at torques of {:.0} % of them", 100.0 * fraction);
-            let helps = "larger clamping forces or smaller torques";
-            found = self.start_from(StartState::ReducedTorque, [why, &instead, helps]);
+            let other = OtherStart {
+                why: "no steady state was found at the torques, which may be beyond the capacity of the clamping forces",
+                instead: &format!("the steady state at torques of {:.0} % of them", 100.0 * fraction),
+                helps: "larger clamping forces or smaller torques",
+            };
+            found = self.start_from(StartState::ReducedTorque, &other);
         }
         if balance {
             found = self.balance_forces(newton, &whole, found);
@@ -208,12 +212,14 @@ impl Simulation {
                 }
                 let passive = system.pulleys().passive_force(Pulley::Primary, state.view());
                 let holding = passive + reaction(system, state.view(), Pulley::Primary);
-                let why = "no equilibrium of the two clamping forces was found";
-                let instead = format!(
-                    "the steady state at the ratio, where the primary force would have to be {holding:.1} N"
-                );
-                let helps = "that primary force, another initial.ratio, or initial.equilibrium = false";
-                self.start_from(StartState::NoEquilibrium, [why, &instead, helps])
+                let other = OtherStart {
+                    why: "no equilibrium of the two clamping forces was found",
+                    instead: &format!(
+                        "the steady state at the ratio, where the primary force would have to be {holding:.1} N"
+                    ),
+                    helps: "that primary force, another initial.ratio, or initial.equilibrium = false",
+                };
+                self.start_from(StartState::NoEquilibrium, &other)
             }
         }
     }

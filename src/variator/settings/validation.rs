@@ -34,6 +34,13 @@ impl ParameterError {
     }
 }
 
+/// Young's modulus, Pa, and density, kg/m³, of a ring's steel.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Steel {
+    pub modulus: f64,
+    pub density: f64,
+}
+
 impl Parameters {
     /// Checks every parameter against its range, and all against each other.
     ///
@@ -85,18 +92,21 @@ impl Parameters {
         })
     }
 
-    /// Young's modulus, Pa, and density, kg/m³, of the ring's steel as they follow from the layers,
-    /// if both are larger or both smaller than those of the default ring: stiffness and mass then
-    /// belong to other layers. One alone may be intended, as in a limit case of theory.
-    pub(crate) fn steel_of_other_layers(&self) -> Option<[f64; 2]> {
+    /// The ring's steel as it follows from the layers, if modulus and density are both larger or
+    /// both smaller than those of the default ring: stiffness and mass then belong to other layers.
+    /// One alone may be intended, as in a limit case of theory.
+    pub(crate) fn steel_of_other_layers(&self) -> Option<Steel> {
         let steel = |of: &Self| {
             let area = 2.0 * f64::from(of.layers.count) * of.layers.width * of.layers.thickness;
-            [of.ring.axial_stiffness, of.ring.mass_per_length].map(|of_all| of_all / area)
+            Steel {
+                modulus: of.ring.axial_stiffness / area,
+                density: of.ring.mass_per_length / area,
+            }
         };
         let (own, usual) = (steel(self), steel(&Self::default()));
-        let (stiff, heavy) = (own[0] / usual[0], own[1] / usual[1]);
+        let (stiff, heavy) = (own.modulus / usual.modulus, own.density / usual.density);
         let differs = stiff.max(heavy) < 1.0 - STEEL_SCATTER || stiff.min(heavy) > 1.0 + STEEL_SCATTER;
-        (own[0].is_finite() && differs).then_some(own)
+        (own.modulus.is_finite() && differs).then_some(own)
     }
 
     /// Below the friction angle a sheave clamps the elements and never releases them.
@@ -213,6 +223,7 @@ impl Inputs {
         inputs::<_, ()>().try_for_each(|input| input.check(self))
     }
 
+    /// Checks that rates of inputs are finite.
     pub(crate) fn validate_rates(&self) -> Result<(), ParameterError> {
         let mut rates = INPUTS.into_iter().zip(self.values());
         let Some((input, rate)) = rates.find(|(_, rate)| !rate.is_finite()) else {
@@ -235,8 +246,8 @@ mod tests {
         let mut parameters = Parameters::default();
         assert_eq!(parameters.steel_of_other_layers(), None);
         parameters.layers.count = 10;
-        let [modulus, density] = parameters.steel_of_other_layers().expect("a layer more");
-        assert!((modulus - 1.672e11).abs() < 1e9 && (density - 7207.0).abs() < 1.0);
+        let steel = parameters.steel_of_other_layers().expect("a layer more");
+        assert!((steel.modulus - 1.672e11).abs() < 1e9 && (steel.density - 7207.0).abs() < 1.0);
         parameters.ring.axial_stiffness *= 10.0 / 9.0;
         parameters.ring.mass_per_length *= 10.0 / 9.0;
         assert_eq!(parameters.steel_of_other_layers(), None);

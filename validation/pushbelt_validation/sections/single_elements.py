@@ -68,15 +68,15 @@ def _solve(bench: Bench, case: str, ring: RingModel, force: float = FORCE) -> Ou
     name, load = case.split("-")[:2]
     wanted = ratio = RATIOS[name] if name in RATIOS else float(name)
     torque = float(load) * bench.capacity(wanted, force) * wanted
-    out = None
     for _ in range(TRIALS):
         values = driven_at_speed({**bench.parameters, **WITHOUT}, ratio, SPEED, -torque, force, held=True)
         out = bench.steady({**values, "ring.model": ring}, f"single elements, {case}")
         excess = out["ratio.geometric"] / wanted if out else 1.0
         if abs(excess - 1.0) < RATIO_ERROR:
-            break
+            return out
         ratio /= excess
-    return out
+    bench.failures.append(f"single elements, {case}: the ratio {wanted:g} is not met")
+    return None
 
 
 def _loss(elements: dict[str, float]) -> float:

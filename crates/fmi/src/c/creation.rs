@@ -17,21 +17,30 @@ use crate::start_file;
 use crate::state::Call;
 use crate::unit::Unit;
 
+/// The texts that an `instantiate` function is given.
+pub(crate) struct Texts<T> {
+    /// Name of the instance.
+    pub name: T,
+    /// GUID of FMI 2.0 or instantiation token of FMI 3.0.
+    pub token: T,
+    /// Resource location: a URI or a path.
+    pub location: T,
+}
+
 /// A string of C, without the zeros in it.
 pub(crate) fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
 /// An instance, as a `Box<FmuInstance<U>>`; null after a message if the arguments don't fit this
-/// FMU. The texts are the name, GUID or instantiation token, resource location: a URI or a path.
-/// `messages` is given the name. `importer` returns what the importer handles, and passes on
+/// FMU. `messages` is given the name. `importer` returns what the importer handles, and passes on
 /// warnings; or why there is no instance.
 ///
 /// # Safety
 /// Each of the texts is null or ends with a zero.
 pub(crate) unsafe fn create<U: Unit>(
     version: Version,
-    texts: [*const c_char; 3],
+    texts: Texts<*const c_char>,
     debug: bool,
     messages: impl FnOnce(&str) -> Option<Sink>,
     importer: impl FnOnce(&dyn Fn(&str)) -> Result<Importer, String>,
@@ -39,8 +48,10 @@ pub(crate) unsafe fn create<U: Unit>(
     contain(ptr::null_mut(), || {
         // SAFETY: it is one of the texts, for which the caller grants this.
         let read = |pointer| unsafe { text(pointer) }.map_err(|error| error.to_string());
-        let texts = texts.map(read);
-        let sink = messages(texts[0].as_ref().ok().and_then(Option::as_deref).unwrap_or_default());
+        let Texts { name, token, location } = texts;
+        let (name, token, location) = (read(name), read(token), read(location));
+        let texts = Texts { name, token, location };
+        let sink = messages(texts.name.as_ref().ok().and_then(Option::as_deref).unwrap_or_default());
         let function = match version {
             Version::Two => "fmi2Instantiate",
             Version::Three => "fmi3InstantiateCoSimulation",
@@ -85,11 +96,11 @@ pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
 /// What the importer handles, and the start values of the instance; or why there is none.
 fn start<U: Unit>(
     version: Version,
-    [name, token, location]: [Result<Option<String>, String>; 3],
+    texts: Texts<Result<Option<String>, String>>,
     importer: impl FnOnce(&dyn Fn(&str)) -> Result<Importer, String>,
     warn: &dyn Fn(&str),
 ) -> Result<(Importer, U::Settings), String> {
-    let name = name?.unwrap_or_default();
+    let name = texts.name?.unwrap_or_default();
     if name.is_empty() || version == Version::Three && name.trim().is_empty() {
         return Err("the instance name is missing".to_owned());
     }
@@ -97,11 +108,11 @@ fn start<U: Unit>(
         Version::Two => "GUID",
         Version::Three => "instantiation token",
     };
-    let token = token?.ok_or_else(|| format!("the {what} is missing"))?;
+    let token = texts.token?.ok_or_else(|| format!("the {what} is missing"))?;
     let importer = importer(warn)?;
     // A location that means no folder is a warning: without start values in its resources an FMU
     // works too.
-    let folders = resources::folders(&location?.unwrap_or_default());
+    let folders = resources::folders(&texts.location?.unwrap_or_default());
     let mut folders = folders.map_err(|why| warn(&why)).unwrap_or_default();
     folders.extend(library::own_path().and_then(|path| resources::resources_of(&path)));
     let defaults = load::<U>(&folders)?;

@@ -3,7 +3,7 @@
 use libc::{c_char, c_int, c_void};
 
 use super::{CallbackFunctions, Component, Logger};
-use crate::c::creation::{c_string, create};
+use crate::c::creation::{Texts, c_string, create};
 use crate::c::entry::CO_SIMULATION_ONLY;
 use crate::c::floating_point::in_hosts;
 use crate::description::Version;
@@ -45,7 +45,7 @@ pub(super) unsafe fn processor_suffices(name: *const c_char, functions: *const C
 /// freed.
 #[inline(never)]
 pub(super) unsafe fn instantiate<U: Unit>(
-    texts: [*const c_char; 3],
+    texts: Texts<*const c_char>,
     fmu_type: c_int,
     functions: *const CallbackFunctions,
     debug: bool,

@@ -6,7 +6,7 @@ use std::ptr::null_mut;
 
 use super::creation::{instantiate, processor_suffices};
 use super::{CallbackFunctions, Component, FmuState};
-use crate::c::creation::free_instance;
+use crate::c::creation::{Texts, free_instance};
 use crate::c::entry::{
     array, array_mut, co_simulation_only, enter, no_direct_derivatives, result, set_debug_logging,
 };
@@ -45,7 +45,7 @@ macro_rules! fmi2_functions {
             instance_name: *const c_char, fmu_type: c_int, guid: *const c_char, resource_location: *const c_char,
             functions: *const CallbackFunctions, visible: c_int, logging_on: c_int
         ) -> Component, creates = if processor_suffices(instance_name, functions) {
-            let texts = [instance_name, guid, resource_location];
+            let texts = Texts { name: instance_name, token: guid, location: resource_location };
             instantiate::<U>(texts, fmu_type, functions, logging_on != 0)
         } else {
             null_mut()

@@ -6,7 +6,7 @@ use std::ptr;
 use libc::c_int;
 
 use super::{Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
-use crate::c::creation::{c_string, create};
+use crate::c::creation::{Texts, c_string, create};
 use crate::c::entry::{array, contain};
 use crate::c::floating_point::in_hosts;
 use crate::description::{TIME, Version};
@@ -35,9 +35,22 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
     false
 }
 
+/// What the importer asks for.
+pub(super) struct Modes {
+    pub logging: bool,
+    pub events: bool,
+    pub early_return: bool,
+}
+
+/// Functions of the importer, and the environment that it gets back with each call.
+pub(super) struct Callbacks {
+    pub environment: Environment,
+    pub log_message: Option<LogMessage>,
+    pub intermediate_update: Option<IntermediateUpdate>,
+}
+
 /// `fmi3InstantiateCoSimulation`: creates an instance; null if the arguments don't fit this FMU.
-/// Never inlined: none of its code may run before [`processor_suffices`]. The importer gets the
-/// environment back with each call of its functions.
+/// Never inlined: none of its code may run before [`processor_suffices`].
 ///
 /// # Safety
 /// Each of the texts is null or ends with a zero. `required` is null or points to `n_required`
@@ -45,12 +58,17 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
 /// instance is freed.
 #[inline(never)]
 pub(super) unsafe fn instantiate<U: Unit>(
-    texts: [Text; 3],
-    [logging, events, early_return]: [bool; 3],
+    texts: Texts<Text>,
+    modes: Modes,
     required: *const Reference,
     n_required: usize,
-    (environment, log_message, update): (Environment, Option<LogMessage>, Option<IntermediateUpdate>),
+    callbacks: Callbacks,
 ) -> Instance {
+    let Callbacks {
+        environment,
+        log_message,
+        intermediate_update,
+    } = callbacks;
     let messages = |_: &str| log_message.map(|log_message| sink(log_message, environment));
     let importer = |warn: &dyn Fn(&str)| {
         // SAFETY: the caller grants that it is null or points to so many value references, during
@@ -59,15 +77,15 @@ pub(super) unsafe fn instantiate<U: Unit>(
         let (intermediate, sets_inputs) = intermediate::<U>(required, warn)?;
         Ok(Importer {
             version: Version::Three,
-            events,
-            early_return,
-            update: update.map(|function| Callback { function, environment }),
+            events: modes.events,
+            early_return: modes.early_return,
+            update: intermediate_update.map(|function| Callback { function, environment }),
             sets_inputs,
             intermediate,
         })
     };
     // SAFETY: the caller grants this of the texts.
-    unsafe { create::<U>(Version::Three, texts, logging, messages, importer) }
+    unsafe { create::<U>(Version::Three, texts, modes.logging, messages, importer) }
 }
 
 /// Those of the required variables that the importer may set and read in intermediate update mode,
@@ -116,6 +134,7 @@ pub(super) unsafe fn refuse_instance(
     ptr::null_mut()
 }
 
+/// Passes messages on to the importer's function.
 fn sink(log_message: LogMessage, environment: Environment) -> Sink {
     Box::new(move |status, category, text| {
         // By the standard, "#" refers to a variable, and "##" is a number sign.

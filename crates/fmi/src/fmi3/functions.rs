@@ -3,12 +3,12 @@
 use libc::{c_char, c_int, c_void};
 use std::ptr::null_mut;
 
-use super::creation::{instantiate, processor_suffices, refuse_instance};
-use super::steps::do_step;
+use super::creation::{Callbacks, Modes, instantiate, processor_suffices, refuse_instance};
+use super::steps::{Results, do_step};
 use super::{
     Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,
 };
-use crate::c::creation::free_instance;
+use crate::c::creation::{Texts, free_instance};
 use crate::c::entry::{
     CO_SIMULATION_ONLY, NULL_RESULT, array, array_mut, co_simulation_only, enter, no_direct_derivatives,
     set_debug_logging, unsupported,
@@ -63,9 +63,11 @@ macro_rules! fmi3_functions {
             n_required_intermediate_variables: usize, environment: Environment, log_message: Option<LogMessage>,
             intermediate_update: Option<IntermediateUpdate>
         ) -> Instance, creates = if processor_suffices(environment, log_message) {
-            let texts = [instance_name, instantiation_token, resource_path];
-            let modes = [logging_on, event_mode_used, early_return_allowed].map(|mode| mode != 0);
-            let callbacks = (environment, log_message, intermediate_update);
+            let texts = Texts { name: instance_name, token: instantiation_token, location: resource_path };
+            let modes = Modes {
+                logging: logging_on != 0, events: event_mode_used != 0, early_return: early_return_allowed != 0,
+            };
+            let callbacks = Callbacks { environment, log_message, intermediate_update };
             instantiate::<U>(texts, modes, required_intermediate_variables, n_required_intermediate_variables, callbacks)
         } else {
             null_mut()
@@ -206,8 +208,8 @@ macro_rules! fmi3_functions {
             no_set_fmu_state_prior_to_current_point: Boolean, event_handling_needed: *mut Boolean,
             terminate_simulation: *mut Boolean, early_return: *mut Boolean, last_successful_time: *mut f64
         ) -> Status, on c = {
-            let flags = [event_handling_needed, terminate_simulation, early_return];
-            do_step::<U>(c, FUNCTION, [current_communication_point, communication_step_size], flags, last_successful_time)
+            let results = Results { event_handling_needed, terminate_simulation, early_return, last_successful_time };
+            do_step::<U>(c, FUNCTION, current_communication_point, communication_step_size, results)
         };
         fmi3ActivateModelPartition(c: Instance, clock_reference: Reference, activation_time: f64) -> Status =>
             c, co_simulation_only;

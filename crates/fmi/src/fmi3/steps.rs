@@ -10,20 +10,32 @@ use crate::instance::{CallError, Callback, Ended, FmuInstance, Next, Update, ref
 use crate::log::Status;
 use crate::unit::Unit;
 
+/// Where the results of a communication step are written.
+pub(super) struct Results {
+    pub event_handling_needed: *mut Boolean,
+    pub terminate_simulation: *mut Boolean,
+    pub early_return: *mut Boolean,
+    pub last_successful_time: *mut f64,
+}
+
 /// `fmi3DoStep`: advances by one communication step; with early return allowed, at most to an event
-/// or a requested return. Its `flags` are whether an event is to be handled, the run to be
-/// terminated, the step ended early.
+/// or a requested return.
 ///
 /// # Safety
 /// The caller grants what [the head of this module](super) lists.
 pub(super) unsafe fn do_step<U: Unit>(
     c: Instance,
     function: &str,
-    [current, step]: [f64; 2],
-    flags: [*mut Boolean; 3],
-    last_successful_time: *mut f64,
+    current: f64,
+    step: f64,
+    results: Results,
 ) -> Status {
-    let writable = flags.iter().all(|flag| !flag.is_null()) && !last_successful_time.is_null();
+    let flags = [
+        results.event_handling_needed,
+        results.terminate_simulation,
+        results.early_return,
+    ];
+    let writable = flags.iter().all(|flag| !flag.is_null()) && !results.last_successful_time.is_null();
     let mut ended = Ended::completed_at(f64::NAN);
     let status = contain(Status::Error, || {
         let mut call = |body: &dyn Fn(&mut FmuInstance<U>) -> Result<Next, CallError>| {
@@ -58,10 +70,10 @@ pub(super) unsafe fn do_step<U: Unit>(
         // SAFETY: none is null, and the caller grants that values may be written there. They may be
         // the same place.
         unsafe {
-            for (flag, value) in flags.into_iter().zip([ended.event, false, ended.early]) {
-                flag.write(value.into());
-            }
-            last_successful_time.write(ended.time);
+            results.event_handling_needed.write(ended.event.into());
+            results.terminate_simulation.write(0);
+            results.early_return.write(ended.early.into());
+            results.last_successful_time.write(ended.time);
         }
     }
     status

@@ -1,7 +1,7 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
 use super::real::{EXP_CUTOFF, PositivePart, Real};
-use super::soft_tail::{soft_tail, to_exponent};
+use super::soft_tail::{SoftTail, soft_tail, to_exponent};
 use num_traits::{One, Zero};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 #[cfg(not(target_feature = "avx"))]
@@ -178,18 +178,21 @@ impl Real for Lanes {
         let per = 1.0 / delta;
         let size = Self(self.0.abs()) * per;
         // Most cells in the strands are far from the sheaves.
-        let [exp, inverse, log] = if size.0.simd_gt(Pack::splat(EXP_CUTOFF)).all() {
-            let least = Self::from((-EXP_CUTOFF).exp());
-            [least, Self::one(), least]
+        let tail = if size.0.simd_gt(Pack::splat(EXP_CUTOFF)).all() {
+            SoftTail {
+                exp: Self::from((-EXP_CUTOFF).exp()),
+                inverse: Self::one(),
+                log: Self::from((-EXP_CUTOFF).exp()),
+            }
         } else {
             soft_tail(size.min(Self::from(EXP_CUTOFF)), |shifted| {
                 Self::new(shifted.to_array().map(to_exponent))
             })
         };
-        let value = self.max(Self::zero()) + log * delta;
-        let slope = self.if_positive(Self::one(), exp) * inverse;
+        let value = self.max(Self::zero()) + tail.log * delta;
+        let slope = self.if_positive(Self::one(), tail.exp) * tail.inverse;
         // 1 − slope without cancellation.
-        let rest = self.if_positive(exp, Self::one()) * inverse;
+        let rest = self.if_positive(tail.exp, Self::one()) * tail.inverse;
         PositivePart {
             value,
             slope,

@@ -39,10 +39,17 @@ const ARTANH: [f64; 10] = [
     1.0,
 ];
 
-/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x) for 0 ≤ x ≤ [`EXP_CUTOFF`](super::real::EXP_CUTOFF). `to_exponents` moves the last bits of each
+/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x).
+pub(super) struct SoftTail<T> {
+    pub exp: T,
+    pub inverse: T,
+    pub log: T,
+}
+
+/// For 0 ≤ x ≤ [`EXP_CUTOFF`](super::real::EXP_CUTOFF). `to_exponents` moves the last bits of each
 /// number to its exponent.
 #[inline(always)]
-pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> [T; 3] {
+pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> SoftTail<T> {
     let shifted = x * -std::f64::consts::LOG2_E + ROUND;
     let whole = shifted - ROUND;
     let rest = -x - whole * LN2[0] - whole * LN2[1];
@@ -51,7 +58,11 @@ pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> [T; 3] 
     let (one, two) = (tail + 1.0, tail + 2.0);
     let inverse = (one * two).recip();
     let part = tail * one * inverse;
-    [tail, two * inverse, polynomial(&ARTANH, part * part) * part * 2.0]
+    SoftTail {
+        exp: tail,
+        inverse: two * inverse,
+        log: polynomial(&ARTANH, part * part) * part * 2.0,
+    }
 }
 
 /// Pairs of terms first, then pairs of pairs: fewer dependent operations than in Horner's order.
