@@ -9,9 +9,8 @@
 //!
 //! - flow through the mesh, pitch-line length per time: J = V − t̂·ṙ + e χ̇; in ξ: c = J/λ,
 //! - velocity at the pitch line v_p = V t̂ + (n̂·ṙ) n̂, at the ring centre line v_e = V |r'|/λ t̂ +
-//!   (n̂·ṙ) n̂: an element on an arc turns about its centre. Friction between ring and elements
-//!   therefore acts on the ring in full, on V with the factor |r'|/λ, and exerts no moment on the
-//!   arc.
+//!   (n̂·ṙ) n̂: an element on an arc turns about its centre. Friction of the ring on the elements acts
+//!   at the innermost layer (`variator/law/ring_friction.rs`).
 //!
 //! J is continuous at a moving arc border although κ_ref jumps there, because χ̇ (the turning of
 //! the elements with the mesh point) is continuous.

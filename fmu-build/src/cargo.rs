@@ -28,6 +28,15 @@ pub fn command_of(workspace: &Workspace, program: impl AsRef<OsStr>) -> Command 
     command
 }
 
+/// A program of this package for the book, which the other commands do without: they compile faster
+/// without its parsers. Its arguments follow.
+pub fn book_program(workspace: &Workspace, name: &str) -> Command {
+    let mut command = command(workspace);
+    command.args(["run", "--profile", "tool", "--quiet", "--package"]);
+    command.args([env!("CARGO_PKG_NAME"), "--features", "book", "--bin", name, "--"]);
+    command
+}
+
 /// Removes the variables that `cargo run` sets for the tool itself from a program's environment:
 /// build scripts of other packages depend on them, and cargo would compile these again.
 pub fn clear_own(command: &mut Command) {
@@ -153,12 +162,9 @@ fn compile_library(
 /// # Errors
 /// The program fails, or prints no text.
 pub fn printed(program: &mut Command) -> anyhow::Result<String> {
+    let line = shown(program);
     let output = program.stderr(Stdio::inherit()).output()?;
-    ensure!(
-        output.status.success(),
-        "the description can't be made ({})",
-        output.status
-    );
+    ensure!(output.status.success(), "`{line}` failed ({})", output.status);
     Ok(String::from_utf8(output.stdout)?)
 }
 

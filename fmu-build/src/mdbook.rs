@@ -40,9 +40,10 @@ impl MdBook {
     /// Builds the book of a folder. A warning of mdBook, such as a missing file, is an error.
     ///
     /// # Errors
-    /// The book can't be built, or mdBook warns.
-    pub fn build(&self, book: &Path, output: &Path) -> anyhow::Result<()> {
-        let done = Command::new(&self.program)
+    /// The book can't be built, an equation is not typeset, or mdBook warns.
+    pub fn build(&self, workspace: &Workspace, book: &Path, output: &Path) -> anyhow::Result<()> {
+        // In the source tree, where cargo finds the program that typesets the equations.
+        let done = cargo::command_of(workspace, &self.program)
             .arg("build")
             .arg(book)
             .arg("--dest-dir")

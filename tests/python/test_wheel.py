@@ -48,6 +48,7 @@ def test_the_wheel_holds_fmu_data_types_and_licences(wheel: Path, fmu: Path) -> 
         assert licences.keys() == {"LICENSE-MIT", "LICENSE-APACHE", "LICENSE-third-party.txt"}
         assert "\nfaer " in archive.read(licences["LICENSE-third-party.txt"]).decode()
     expected = {f"pushbelt/data/docs/{path.name}" for path in (ROOT / "docs").iterdir() if path.is_file()}
+    expected.add("pushbelt/data/docs/theory.html")
     files = (path for path in PACKAGE.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
     expected |= {path.relative_to(PACKAGE.parent).as_posix() for path in files}
     assert {"pushbelt/py.typed", *expected} <= names, sorted(expected - names)

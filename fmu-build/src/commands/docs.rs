@@ -31,7 +31,7 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     let _alone = workspace.lock("docs")?;
     let book = workspace.target().join("book");
     progress::headline("Making the book");
-    mdbook.build(&workspace.root().join("docs"), &book)?;
+    mdbook.build(workspace, &workspace.root().join("docs"), &book)?;
 
     progress::headline("Documenting the Rust API");
     cargo::run(cargo::command(workspace).args(["doc", "--workspace", "--no-deps", "--locked"]))?;
@@ -41,16 +41,7 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     copy_live(&live_page::path(workspace), &book.join("live.html"))?;
 
     progress::headline("Checking the links");
-    let mut check = cargo::command(workspace);
-    check.args([
-        "run",
-        "--profile",
-        "tool",
-        "--quiet",
-        "--package",
-        env!("CARGO_PKG_NAME"),
-    ]);
-    check.args(["--features", "links", "--bin", "check-links", "--"]);
+    let mut check = cargo::book_program(workspace, "check-links");
     cargo::run(check.arg(&book).arg(workspace.root()))?;
     println!("{}", book.join("index.html").display());
     Ok(())

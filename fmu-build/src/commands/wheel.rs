@@ -121,6 +121,7 @@ fn lay_out(workspace: &Workspace, fmus: &[(PathBuf, String)], tree: &Path) -> an
     copy_tree(&python.join("pushbelt"), &tree.join("pushbelt"))?;
     copy_tree(&root.join("resources"), &data.join("resources"))?;
     copy_tree(&root.join("docs"), &data.join("docs"))?;
+    typeset(workspace, &data.join("docs").join("theory.md"))?;
     copy_tree(&root.join("examples"), &data.join("examples"))?;
     let copy = |from: &Path, to: &Path| {
         fs::copy(from, to)
@@ -137,6 +138,14 @@ fn lay_out(workspace: &Workspace, fmus: &[(PathBuf, String)], tree: &Path) -> an
     let third_party = licenses::third_party(&workspace.packages(true)?)?;
     let path = tree.join("LICENSE-third-party.txt");
     fs::write(&path, third_party).with_context(|| format!("can't write {}", path.display()))
+}
+
+/// Writes a page of the book with its equations as HTML beside it.
+fn typeset(workspace: &Workspace, page: &Path) -> anyhow::Result<()> {
+    let mut program = cargo::book_program(workspace, "book-math");
+    let html = cargo::printed(program.arg("page").arg(page))?;
+    let path = page.with_extension("html");
+    fs::write(&path, html).with_context(|| format!("can't write {}", path.display()))
 }
 
 /// The one file of a folder.

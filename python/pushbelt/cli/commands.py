@@ -177,4 +177,7 @@ def show_docs(options: argparse.Namespace) -> int:
     if name not in pages:
         raise ArgumentError(f"no page {name}{similar(name, pages) or '; there are ' + ', '.join(pages)}")
     print(texts[name])
+    typeset = DOCS / f"{name}.html"  # In the wheel, of a page with equations.
+    if typeset.is_file():
+        print(f"Typeset: {typeset.resolve().as_uri()}")
     return 0

@@ -2,7 +2,9 @@
 //!
 //! δP = ∫ [ring inertia·δv + δV_elastic] + ∫ m_e νλ a_e·δv_p − Q·δ(lengthening) − ∫ 2λ (contact
 //! force)·δ(its own point)
-//!    − ∫ f_r δ(sliding of ring on elements) − ∫ f_l δ(ring along itself) + ∫ f_s δV = 0.
+//!    + ∫ f_r δ(sliding of ring on elements) + ∫ f_l δ(ring along itself) + ∫ f_s δV = 0
+//!
+//! with the drags f against these motions.
 //!
 //! Each force acts on the velocity of its own point: tangential flank forces on that at the pitch
 //! line (v_p), radial ones on that at the ring centre line (v_e), ring friction on the difference

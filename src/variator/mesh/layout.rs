@@ -5,7 +5,7 @@
 //! then for each cell the speed V of its left face, the content N of elements of the cell before,
 //! and (`ALE0`) the ring tension T at its left face. The border holds what all cells share: ṡ, Θ̇,
 //! then for both pulleys, the secondary first, ż, ψ_x and ψ_y, ω, last the multipliers of the gauge
-//! conditions or (`ALE0`) the coordinates of displaced centres.
+//! conditions or (`ALE0`) the rates of the displaced centres and of the growth.
 
 use crate::pulley::Pulley;
 use crate::reference_curve::COORDINATES;
