@@ -114,10 +114,11 @@ def page(found: Mapping[str, Any]) -> str:
     of = {part.value: [check for check in found["checks"] if check["part"] == part.value] for part in PARTS}
     missed = [check for check in of["measurements"] if check["verdict"] == "missed"]
     others = [check for check in of["measurements"] if check["verdict"] != "missed"]
+    sources = list(dict.fromkeys(f"{check['source']}: {check['certainty']}" for check in others))
     steps = found["steps"]
     parts = [
         "# Results of the validation\n",
-        f"Written by `cargo fmu validate -- --pin`; do not edit. {sentence(found)[0].upper()}{sentence(found)[1:]}.\n",
+        f"Written by `cargo fmu validate -- --pin`; do not edit. {capital(sentence(found))}.\n",
         "## From the theory to the belt\n",
         f"{steps['told']} {steps['note']}\n",
         rows(steps["columns"], steps["rows"]),
@@ -125,21 +126,50 @@ def page(found: Mapping[str, Any]) -> str:
         rows(("theory in its limit", "goal", "found", "verdict"), [[c["statement"], c["goal"], c["found"], c["verdict"]] for c in of["verification"]]),
         "## Against single elements\n",
         rows(
-            ("of the default belt", "goal", "found", "verdict", "cause, as far as known"),
-            [[c["statement"], c["goal"], "; ".join(filter(None, (c["found"], c.get("by")))), c["verdict"], c.get("cause", "")] for c in of["single elements"]],
+            ("of the default belt", "goal", "found", "verdict"),
+            [[c["statement"], c["goal"], with_worst(c), c["verdict"]] for c in of["single elements"]],
         ),
+        "Causes of the missed goals, as far as they are known:\n",
+        numbered(f"**{c['statement']}**: {c['cause']}." for c in of["single elements"] if c["verdict"] == "missed"),
         "## Measurements: missed goals\n",
+        "The list below the table has the cause of each miss, as far as it is known, and the measurement on a rig that would decide it.\n",
         rows(
-            ("goal", "allowed", "found", "worst miss, tolerances", "cause, as far as known", "what decides it on a rig"),
-            [[c["statement"], c["goal"], f"{c['found']}; {c['by']}", f"{c['miss']:.2f}", c["cause"], c["decides"]] for c in missed],
+            ("", "goal", "allowed", "found", "values that miss", "worst value", "miss, tolerances"),
+            [[k, c["statement"], c["goal"], c["found"].split(", ")[0], *outside(c), f"{c['miss']:.2f}"] for k, c in enumerate(missed, 1)],
         ),
+        numbered(f"{capital(c['cause'])}. Measurement: {c['decides']}." for c in missed),
         "## Measurements: met goals and reported values\n",
         rows(
-            ("statement", "goal", "found", "verdict", "source, certainty"),
-            [[c["statement"], c["goal"], c["found"], c["verdict"], f"{c['source']} ({c['certainty']})"] for c in others],
+            ("statement", "goal", "found", "verdict", "source"),
+            [[c["statement"], c["goal"], c["found"], c["verdict"], sources.index(f"{c['source']}: {c['certainty']}") + 1] for c in others],
         ),
+        "Sources, each with its certainty:\n",
+        numbered(f"{capital(source)}." for source in sources),
     ]  # fmt: skip
     return "\n".join(parts)
+
+
+def outside(check: Mapping[str, Any]) -> tuple[str, str]:
+    """Number of values outside of a goal, and the worst value; empty texts for a single value and for a goal that is met."""
+    head, _, worst = check.get("by", "").split("; ")[0].partition(": ")
+    count = head.split(",")[0]
+    return ("", "") if not head or count.startswith("1 of 1 ") else (count, worst)
+
+
+def with_worst(check: Mapping[str, Any]) -> str:
+    """The values of a check, and the worst of those outside of its goal."""
+    count, worst = outside(check)
+    return f"{check['found']}; {count}: {worst}" if count else check["found"]
+
+
+def capital(text: str) -> str:
+    """A text that begins with a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
+def numbered(lines: Iterable[str]) -> str:
+    """A numbered list in Markdown."""
+    return "".join(f"{k}. {line}\n" for k, line in enumerate(lines, 1))
 
 
 def rows(header, lines) -> str:

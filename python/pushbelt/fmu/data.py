@@ -21,7 +21,7 @@ from .untrusted import InputFileError, read_parameters
 
 REMOVED = {
     "belt.contactStrain": "set belt.roughness to the same strain times belt.elementThickness",
-    "belt.filmForce": "delete it, and see CHANGELOG.md for the new values of belt.filmDamping and belt.squeezeDamping",
+    "belt.filmForce": "delete it, and use the defaults of belt.filmDamping and belt.squeezeDamping",
 }
 """Parameters of earlier versions, and what to do."""
 SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
