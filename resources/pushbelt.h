@@ -1,6 +1,6 @@
 /* Functions that PushbeltVariator exports in addition to those of FMI 2.0. C and C++.
  *
- * Load both functions from the FMU's library (binaries/...) by name, like those of the standard. They take an instance of
+ * Load them from the FMU's library (binaries/...) by name, like those of the standard. They take an instance of
  * fmi2Instantiate. No other call may use the instance at the same time.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
@@ -31,6 +31,15 @@ extern "C" {
  */
 typedef int pushbeltLinearizeTYPE(void *instance, double frequency, char **json);
 int pushbeltLinearize(void *instance, double frequency, char **json);
+
+/* Resets an instance as fmi2Reset does. The next steady start (initial.steady) begins its search at the steady state that the run
+ * before started from: where the two differ by some per cent, it takes a tenth of the work. The same state is found, within 1e-5.
+ * If it is not near enough, it is sought as after fmi2Reset.
+ *
+ * Returns an fmi2Status, as fmi2Reset.
+ */
+typedef int pushbeltResetNearTYPE(void *instance);
+int pushbeltResetNear(void *instance);
 
 /* Frees a string of pushbeltLinearize; NULL is legal. */
 typedef void pushbeltFreeTextTYPE(char *text);

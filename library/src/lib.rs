@@ -1,7 +1,7 @@
 //! The shared library in `PushbeltVariator.fmu`: its C functions, and their list for a linker.
 #![allow(unsafe_code, non_snake_case, reason = "C functions")]
 
-pub mod linear;
+pub mod extensions;
 
 use pushbelt::fmi::{fmi2 as v2, fmi3 as v3};
 
@@ -10,7 +10,7 @@ pushbelt::fmi::export!(pushbelt::unit::VariatorUnit);
 /// The content of `fmu-build/exports.def`.
 #[must_use]
 pub fn definition() -> String {
-    let mut names = [v2::NAMES, v3::NAMES, linear::NAMES, &["pushbeltVariant"]].concat();
+    let mut names = [v2::NAMES, v3::NAMES, extensions::NAMES, &["pushbeltVariant"]].concat();
     names.sort_unstable();
     let names: String = names.iter().map(|name| format!("    {name}\n")).collect();
     format!(

@@ -42,6 +42,12 @@ impl<R: Rings> UnitWith<R> {
         Ok(Self { variator, rings })
     }
 
+    fn started(mut self, settings: &Settings<R>, remarks: &mut Vec<Message>) -> Result<Self, String> {
+        let started = self.variator.initialise(0.0, &settings.inputs);
+        self.move_messages(remarks);
+        started.map(|()| self).map_err(text)
+    }
+
     fn move_messages(&mut self, remarks: &mut Vec<Message>) {
         remarks.extend(self.variator.take_messages());
     }
@@ -73,11 +79,18 @@ impl<R: Rings> Unit for UnitWith<R> {
         experiment: &Experiment,
         remarks: &mut Vec<Message>,
     ) -> Result<Self, String> {
+        Self::build(settings, experiment, remarks)?.started(settings, remarks)
+    }
+
+    fn start_near(
+        near: &Self,
+        settings: &Settings<R>,
+        experiment: &Experiment,
+        remarks: &mut Vec<Message>,
+    ) -> Result<Self, String> {
         let mut unit = Self::build(settings, experiment, remarks)?;
-        let started = unit.variator.initialise(0.0, &settings.inputs);
-        unit.move_messages(remarks);
-        started.map_err(text)?;
-        Ok(unit)
+        unit.variator.start_near(&near.variator);
+        unit.started(settings, remarks)
     }
 
     fn begin(

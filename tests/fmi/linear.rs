@@ -4,7 +4,7 @@ use crate::importer::Handles;
 use crate::variator::{Importer, real_outputs};
 use pushbelt::fmi::Version::Two;
 use pushbelt::fmi::log::Status::{self, Error, Ok, Warning};
-use pushbelt_library::linear::{pushbeltFreeText, pushbeltLinearize};
+use pushbelt_library::extensions::{pushbeltFreeText, pushbeltLinearize};
 use serde_json::Value;
 use std::ffi::CStr;
 use std::ptr::null_mut;

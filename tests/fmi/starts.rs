@@ -5,6 +5,7 @@ use crate::variator::{Importer, reference};
 use pushbelt::fmi::log::Status::{Error, Ok};
 use pushbelt::fmi::start_file::FILE;
 use pushbelt::fmi::unit::Experiment;
+use pushbelt_library::extensions::pushbeltResetNear;
 use pushbelt_support::shared_library::{Library, OK, path};
 use std::fs;
 
@@ -28,6 +29,31 @@ fn implausible_loads_are_logged() {
     let force = logged("secondary.clampingForce", 13.5, "secondary.clampingForce = 13.5 N");
     assert_eq!((force.0, force.1, &*force.2), (Error, 3, "logStatusError"));
     assert!(force.3.contains("kN"), "{}", force.3);
+}
+
+/// The steady start after `pushbeltResetNear` is that after a reset, and values set before are gone.
+#[test]
+fn a_start_near_the_one_before_finds_the_same_state() {
+    let read = |of: &Importer| ["thrustRatio", "slip", "loss.total"].map(|name| of.get(name));
+    let start = |of: &Importer, torque: f64| {
+        of.make_coarse();
+        of.flag("initial.steady", true);
+        of.put("primary.torque", torque);
+        of.start();
+        read(of)
+    };
+    let importer = Importer::coarse(BOTH[0], Handles::default());
+    let first = start(&importer, 30.0);
+    // SAFETY: an instance that no other call uses; null is an error.
+    let reset = |c| unsafe { pushbeltResetNear(c) };
+    assert_eq!(reset(importer.c), Ok);
+    let near = start(&importer, 31.0);
+    assert_eq!(importer.reset(), Ok);
+    let cold = start(&importer, 31.0);
+    for ((near, cold), first) in near.iter().zip(&cold).zip(&first) {
+        assert!((near / cold - 1.0).abs() < 1e-6 && (first / cold - 1.0).abs() > 1e-4, "{near} for {cold}");
+    }
+    assert_eq!(reset(std::ptr::null_mut()), Error);
 }
 
 /// A belt that is clamped by pressures on no area: one warning without debug logging too, and the

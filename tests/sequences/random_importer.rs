@@ -10,7 +10,7 @@ use pushbelt::fmi::Version::{self, Three, Two};
 use pushbelt::fmi::log::Status;
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
-use pushbelt_library::linear::{pushbeltFreeText, pushbeltLinearize};
+use pushbelt_library::extensions::{pushbeltFreeText, pushbeltLinearize};
 use std::cell::Cell;
 use std::ptr::null_mut;
 

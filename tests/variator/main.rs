@@ -11,6 +11,7 @@ mod jacobian;
 mod limits;
 mod loads;
 mod losses;
+mod neighbours;
 mod outputs;
 mod runs;
 mod spatial;

@@ -138,6 +138,19 @@ pub trait Unit: Clone + Sized {
         messages: &mut Vec<Message>,
     ) -> Result<Self, String>;
 
+    /// As [`Unit::start`]. The search for the state may begin at the one that `near` started from.
+    ///
+    /// # Errors
+    /// As [`Unit::start`].
+    fn start_near(
+        _near: &Self,
+        settings: &Self::Settings,
+        experiment: &Experiment,
+        messages: &mut Vec<Message>,
+    ) -> Result<Self, String> {
+        Self::start(settings, experiment, messages)
+    }
+
     /// The present time since the start, s.
     fn time(&self) -> f64;
 

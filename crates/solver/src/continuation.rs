@@ -60,6 +60,26 @@ pub struct Trial<'a> {
     pub step: f64,
 }
 
+impl<'a> Trial<'a> {
+    fn new(before: &'a State, stage: &'a Stage, step: f64) -> Self {
+        Self {
+            before: before.view(),
+            after: stage.state.view(),
+            step,
+        }
+    }
+}
+
+impl Stage {
+    /// A step of implicit Euler from a state, s, with it as the predictor.
+    fn begin(&mut self, from: &State, step: f64) {
+        self.alpha = 1.0 / step;
+        self.base.copy_from_slice(&from.y);
+        self.position.copy_from_slice(&from.q);
+        self.state.copy_from(from);
+    }
+}
+
 /// Moves a state to the steady one. `control` is called after each solved step. It may correct the
 /// system, and returns the longest next step, or none to refuse the step as too large. Another step
 /// after the last solves the last correction of `control`.
@@ -83,20 +103,10 @@ pub fn continue_to_steady<S: System>(
     while report.solves < settings.max_solves && report.step >= MIN_STEP {
         report.solves += 1;
         let last = report.step >= settings.last_step;
-        stage.alpha = 1.0 / report.step;
+        stage.begin(state, report.step);
         stage.tolerance = if last { 1.0 } else { COARSE };
-        stage.base.copy_from_slice(&state.y);
-        stage.position.copy_from_slice(&state.q);
-        stage.state.copy_from(state);
         let longest = match newton.solve(system, &mut stage, false) {
-            Ok(()) => {
-                let solved = Trial {
-                    before: state.view(),
-                    after: stage.state.view(),
-                    step: report.step,
-                };
-                control(system, &solved)
-            }
+            Ok(()) => control(system, &Trial::new(state, &stage, report.step)),
             Err(Unsolved::OutOfWork) => break,
             Err(Unsolved::NoSolution) => None,
         };
@@ -114,4 +124,39 @@ pub fn continue_to_steady<S: System>(
     }
     newton.abandon();
     Err(report)
+}
+
+/// Moves a state to a steady one near by: at most `solves` steps of length `step`, s, with the same
+/// factors. `control` is called after each. It may correct the system, and returns whether the
+/// correction is negligible, or none to refuse the state.
+///
+/// # Errors
+/// [`NotSteady`]: the state is not near enough. It is then meaningless.
+pub fn settle<S: System>(
+    system: &mut S,
+    newton: &mut Newton,
+    state: &mut State,
+    step: f64,
+    solves: usize,
+    mut control: impl FnMut(&mut S, &Trial<'_>) -> Option<bool>,
+) -> Result<(), NotSteady> {
+    let mut stage = Stage::new(state.y.len());
+    // Otherwise corrections by the size of Newton's error would not end.
+    stage.tolerance = 1.0 / COARSE;
+    for solves in 1..=solves {
+        stage.begin(state, step);
+        let solved = newton.solve(system, &mut stage, true);
+        let settled = solved
+            .ok()
+            .and_then(|()| control(system, &Trial::new(state, &stage, step)));
+        let Some(settled) = settled else {
+            newton.abandon();
+            return Err(NotSteady { solves, step });
+        };
+        state.copy_from(&stage.state);
+        if settled {
+            return Ok(());
+        }
+    }
+    Err(NotSteady { solves, step })
 }

@@ -6,7 +6,7 @@ Enumerations are plain numbers, for workers that do not have this package.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 
 from .closing import closed_by
@@ -70,19 +70,34 @@ class SteadyStates(AbstractContextManager["SteadyStates"]):
             self._unit = Instance(self.archive, {})
         return self._unit
 
-    def at(self, values: Mapping[str, float]) -> Instance:
+    def at(self, values: Mapping[str, float], near: bytes | bool = False) -> Instance:
         """The instance in the steady state of the parameters and these start values. Raises UnitError with the reason
-        if there is none."""
-        unit = self.started(values)
+        if there is none.
+
+        It is first sought near a stored state of `started`, or near the state before if `near` is True."""
+        unit = self.started(values, near)
         if unit.not_steady:
             raise UnitError(unit.not_steady)
         return unit
 
-    def started(self, values: Mapping[str, float]) -> Instance:
+    def sequence(self) -> Callable[[Mapping[str, float]], Instance]:
+        """`at` for states one after another: each but the first is sought near the one before."""
+        near = False
+
+        def at(values: Mapping[str, float]) -> Instance:
+            nonlocal near
+            before, near = near, True
+            return self.at(values, before)
+
+        return at
+
+    def started(self, values: Mapping[str, float], near: bytes | bool = False) -> Instance:
         """The instance in its initial state, which may not be the requested one. Raises UnitError if a call fails."""
         unit = self.unit
         try:
-            unit.restart({**self.parameters, **values})
+            if isinstance(near, bytes):
+                unit.restore(near, 0.0)
+            unit.restart({**self.parameters, **values}, bool(near))
             unit.initialise()
         except UnitError:
             self.close()

@@ -132,9 +132,9 @@ class Instance(AbstractContextManager["Instance"]):
 
     # Initialisation and steps
 
-    def restart(self, start_values: Mapping[str, float]) -> None:
-        """Resets to the state of a new instance."""
-        self._call(self._instance.reset)
+    def restart(self, start_values: Mapping[str, float], near: bool = False) -> None:
+        """Resets to the state of a new instance. With `near` a steady start is first sought from the one of the run before."""
+        self._call(self._reset_near if near else self._instance.reset)
         self.log.clear()
         self.time = 0.0
         self._set_up(start_values)
@@ -219,6 +219,12 @@ class Instance(AbstractContextManager["Instance"]):
         return Profile(**{name: self.get_reals(self.reals(places)) for name, places in names.items()})
 
     # Beyond the standard
+
+    def _reset_near(self) -> None:
+        function = self._instance.dll.pushbeltResetNear
+        function.argtypes = [ctypes.c_void_p]
+        if function(self._instance.component) > fmi2.fmi2Warning:
+            raise UnitError("the FMU was not reset, and its log has no reason")
 
     def linearise(self, frequency: float) -> dict[str, Any]:
         """The linear model about the present state, as returned by `pushbeltLinearize`. Modes below a frequency (Hz)

@@ -62,9 +62,9 @@ class Along:
     excesses: Sequence[float]  # ln(F_P/(κ F_S)) of the shifts, ascending, without 0
 
 
-def at_torque(states: SteadyStates, line: Line, utilisation: float) -> Instance:
+def at_torque(states: SteadyStates, line: Line, utilisation: float, near: bool = False) -> Instance:
     torque = utilisation * torque_capacity(states.parameters, line.ratio, line.force)
-    return states.at(driven_by_torque({}, line.ratio, line.speed, torque, line.force))
+    return states.at(driven_by_torque({}, line.ratio, line.speed, torque, line.force), near)
 
 
 def point(unit: Instance, ratio: float) -> dict[str, float]:

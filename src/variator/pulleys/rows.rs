@@ -28,7 +28,7 @@ pub struct Pulleys<'a> {
 }
 
 /// Sign of the change of Θ when a pulley closes: the primary raises r_P, and Θ with it.
-const CLOSING_SIGN: PerPulley<f64> = PerPulley {
+pub(crate) const CLOSING_SIGN: PerPulley<f64> = PerPulley {
     secondary: -1.0,
     primary: 1.0,
 };

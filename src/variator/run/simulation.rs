@@ -13,6 +13,7 @@ use crate::variator::diagnostics::observe::macro_slip;
 use crate::variator::pulleys::loads::{InputProfile, Loads};
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::settings::{Inputs, Parameters};
+use crate::variator::steady::refine::Neighbour;
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 
@@ -31,6 +32,8 @@ pub(super) struct Simulation {
     /// Work of the search for the state to start from, and its inputs.
     pub start_work: Counts,
     pub given: Inputs,
+    /// A steady state from which that of the next start is sought first.
+    pub near: Option<Arc<Neighbour>>,
     /// Why the start is not the requested one, and what helps.
     pub other_start: Option<String>,
     pub messages: Vec<Message>,
@@ -48,6 +51,7 @@ impl Simulation {
             soft_since: f64::NEG_INFINITY,
             start_work: Counts::default(),
             given: Inputs::ZERO,
+            near: None,
             other_start: None,
             messages: Vec::new(),
         }
@@ -64,6 +68,7 @@ impl Simulation {
         self.energy.serialize(archive);
         archive.bounded_real(&mut self.soft_since, f64::NEG_INFINITY, f64::MAX);
         self.start_work.serialize(archive);
+        self.given.each_mut().into_iter().for_each(|input| archive.real(input));
     }
 
     pub fn problem(&mut self) -> (Problem<'_>, &mut State) {

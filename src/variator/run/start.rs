@@ -49,7 +49,7 @@ impl Simulation {
 
     /// The kinematic state to start from. An initial ratio beyond an end stop is moved to the stop,
     /// and a set point of a shaft replaces `initial.primarySpeed`.
-    fn start_point(&mut self) -> Start {
+    pub fn start_point(&mut self) -> Start {
         let (parameters, inputs) = (&mut self.system.parameters, &self.given);
         let (given_ratio, given_speed) = (parameters.initial.ratio, parameters.initial.primary_speed);
         let range = parameters.ratio_range();
@@ -225,7 +225,7 @@ impl Simulation {
     }
 
     /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
-    fn start_cold(&mut self, start: &Start) -> Result<(), InitialisationError> {
+    pub fn start_cold(&mut self, start: &Start) -> Result<(), InitialisationError> {
         self.state = self.kinematic_state(start)?;
         if self.system.parameters.secondary.drive == Drive::Speed {
             let i = self.system.belt.layout.shaft_speed(Pulley::Secondary);

@@ -13,6 +13,7 @@ use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::settings::capacity::{TorqueDemand, excessive_speed};
 use crate::variator::settings::{Axial, Drive, StartState};
+use crate::variator::steady::refine::Neighbour;
 use crate::variator::steady::solve::{SteadySolver, SteadyTask, geometric_ratio, reaction};
 
 /// Why there is no steady state to start from.
@@ -139,6 +140,10 @@ impl Simulation {
         demand: Option<TorqueDemand>,
     ) -> Result<f64, NoSteadyState> {
         let cold = self.state.clone();
+        if self.solve_near(newton, reaction) {
+            return Ok(1.0);
+        }
+        self.state.clone_from(&cold);
         let is_beyond = |fraction| demand.filter(|demand| demand.is_beyond(fraction));
         let (mut fraction, mut beyond) = (1.0, 1.0);
         loop {
@@ -178,6 +183,34 @@ impl Simulation {
             }
         }
         Ok(fraction)
+    }
+
+    /// Whether the steady state is found from that of another variator, not past the peak of
+    /// traction.
+    fn solve_near(&mut self, newton: &mut Newton, reaction: Pulley) -> bool {
+        let task = SteadyTask {
+            warm: true,
+            ..self.steady_task(reaction, 1.0)
+        };
+        let Simulation {
+            system, state, near, ..
+        } = self;
+        let moved = near.take().is_some_and(|near| near.move_to(&system.belt, state));
+        moved
+            && (SteadySolver { system, newton }).solve_near(state, &task).is_ok()
+            && !self.sums().past_peak()
+    }
+
+    /// The present state, in which the run has started, for steady states near by.
+    pub fn neighbour(&self) -> Option<Neighbour> {
+        let mut cold = self.clone();
+        let start = cold.start_point();
+        cold.start_cold(&start).ok()?;
+        Some(Neighbour {
+            belt: self.system.belt.clone(),
+            kinematic: cold.state,
+            state: self.state.clone(),
+        })
     }
 
     fn solve(&mut self, newton: &mut Newton, task: &SteadyTask) -> Result<(), NotSteady> {

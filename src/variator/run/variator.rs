@@ -99,6 +99,14 @@ impl Variator {
         })
     }
 
+    /// Seeks the steady state of the next start from that of `other`, if it is in a steady start,
+    /// which takes a tenth of the work where they differ by some per cent. Otherwise, and where
+    /// they differ by more, the start is as without.
+    pub fn start_near(&mut self, other: &Self) {
+        let starts = other.start_state == StartState::Steady && other.counts().steps == 0;
+        self.simulation.near = starts.then(|| other.simulation.neighbour()).flatten().map(Arc::new);
+    }
+
     /// Finds the state to start from at `time`. If it can't be found, the run starts from the
     /// nearest one, with a warning that names it and the reason.
     ///

@@ -4,7 +4,7 @@
 //! forty random starts of `ALE0`, a third of them beyond capacity. Up to 2 % is noise. The same
 //! states are found.
 
-mod refine;
+pub mod refine;
 pub mod solve;
 pub mod start;
 
@@ -20,6 +20,12 @@ const STEADY_TIME: f64 = 200.0;
 /// Most Newton solves of a continuation. A quarter of it: -27, -27, but in limits of the parameters
 /// (no play, stiff belts, no oil) most states are not found.
 const MOST_SOLVES: usize = 400;
+/// Most Newton solves with the same factors from a neighbouring state: each corrects the set points
+/// of force and ratio. Two to nine are used.
+const FEW_SOLVES: usize = MOST_SOLVES / 16;
+/// Negligible correction of the set point of Θ, and of a force relative to it, from a neighbouring
+/// state.
+const NEGLIGIBLE: f64 = 1.0e-8;
 
 /// Regularisation homotopy: first friction velocity, m/s, and factor of each reduction, down to the
 /// specified one. At first, stick and slip are one smooth law, and Newton's method does not

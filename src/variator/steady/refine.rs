@@ -1,4 +1,4 @@
-//! A steady state on a coarse mesh as the start on a fine one.
+//! A steady state as the start of another one: on a finer mesh, or of other parameters and loads.
 //!
 //! A solution from the kinematic state mainly determines which elements stick, slide and separate.
 //! A mesh with half the elements and one cell in each gives nearly the same result, and its
@@ -11,6 +11,7 @@ use crate::solver::State;
 use crate::variator::belt::Belt;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
 use crate::variator::settings::{Mesh, Parameters};
+use std::sync::Arc;
 
 /// Parameters with half the elements and one cell in each; none if a belt needs more.
 pub(super) fn coarser(parameters: &Parameters) -> Option<Parameters> {
@@ -60,6 +61,47 @@ pub(super) fn prolong(belt: &Belt, kinematic: &State, from: &State, fine: &Belt,
     let sum: f64 = fine.cells_at.iter().map(|cell| state.y[cell.content]).sum();
     for cell in &fine.cells_at {
         state.y[cell.content] *= content / sum;
+    }
+}
+
+/// A steady state from which those of other parameters and loads are found.
+#[derive(Clone, Debug)]
+pub struct Neighbour {
+    /// Its belt.
+    pub belt: Arc<Belt>,
+    /// The kinematic state it was found from.
+    pub kinematic: State,
+    /// The steady state.
+    pub state: State,
+}
+
+impl Neighbour {
+    /// Moves the kinematic state of another belt near its steady one: the difference between the
+    /// kinematic states is added. Returns whether it can; the belts may differ in parameters and in
+    /// the number of elements.
+    pub fn move_to(&self, belt: &Belt, state: &mut State) -> bool {
+        let Self {
+            belt: of,
+            kinematic,
+            state: from,
+        } = self;
+        let [here, there] =
+            [belt, of].map(|belt| (belt.ring.name(), belt.layout.components, belt.law.is_pull_chain()));
+        if here != there {
+            return false;
+        }
+        let other = state.clone();
+        prolong(of, kinematic, from, belt, state);
+        let globals = |belt: &Belt| belt.layout.drift()..belt.layout.len();
+        for (to, of) in globals(belt).zip(globals(of)) {
+            state.y[to] += other.y[to] - kinematic.y[of];
+            state.q[to] += other.q[to] - kinematic.q[of];
+        }
+        let faster = other.y[belt.layout.drift()] / kinematic.y[of.layout.drift()];
+        for cell in 0..belt.mesh.cells.len() {
+            state.y[belt.layout.belt_speed(cell)] *= faster;
+        }
+        true
     }
 }
 

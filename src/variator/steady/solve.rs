@@ -7,17 +7,18 @@
 use super::refine::{coarser, prolong};
 use super::start::{Start, kinematic_state};
 use super::{
-    FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES, RATIO_TIME,
-    RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
+    FEW_SOLVES, FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES,
+    NEGLIGIBLE, RATIO_TIME, RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
-use crate::solver::continuation::{ContinuationSettings, NotSteady, Trial, continue_to_steady};
+use crate::solver::continuation::{ContinuationSettings, NotSteady, Trial, continue_to_steady, settle};
 use crate::solver::newton::Newton;
 use crate::solver::{State, View};
 use crate::variator::belt::Belt;
 use crate::variator::diagnostics::belt::BeltDiagnostics;
-use crate::variator::pulleys::loads::{Boundary, FORCE_TIME, Loads, ShaftMode, SheaveMode};
+use crate::variator::pulleys::loads::{Boundary, FORCE_TIME, Loads, RATIO_STIFFNESS, ShaftMode, SheaveMode};
+use crate::variator::pulleys::rows::CLOSING_SIGN;
 use crate::variator::settings::{Inputs, Parameters};
 use crate::variator::system::VariatorSystem;
 use std::ops::RangeInclusive;
@@ -87,6 +88,31 @@ impl SteadySolver<'_> {
         }
         *state = kinematic;
         self.continuation(state, task, own.max(HOMOTOPY_VELOCITY))
+    }
+
+    /// Finds the steady state of a `warm` task near by: from one of another task that differs by
+    /// some per cent, moved by [`Neighbour::move_to`](super::refine::Neighbour::move_to), this takes two to ten
+    /// Jacobians instead of a hundred.
+    ///
+    /// # Errors
+    /// It is not near enough; `state` is then meaningless.
+    pub fn solve_near(&mut self, state: &mut State, task: &SteadyTask) -> Result<(), NotSteady> {
+        let mut control = Control {
+            correction: Some(f64::INFINITY),
+            ..Control::new(self.system, state, task)
+        };
+        self.system.loads = Loads::Steady(control.boundary());
+        settle(
+            self.system,
+            self.newton,
+            state,
+            STEADY_TIME,
+            FEW_SOLVES,
+            |system, trial| {
+                control.correct(system, trial)?;
+                Some(control.correction < Some(NEGLIGIBLE))
+            },
+        )
     }
 
     /// Moves a kinematic state near the steady one of a mesh with fewer elements.
@@ -235,6 +261,8 @@ struct Control<'a> {
     clamping: PerPulley<f64>,
     /// Set point of Θ.
     theta: f64,
+    /// From a neighbouring state the last correction, of Θ or relative to the force.
+    correction: Option<f64>,
     /// Whether the belt grips. Before, both speeds are kept: torque on a belt that does not grip
     /// leads to the branch on which a pulley slips permanently.
     gripping: bool,
@@ -251,6 +279,7 @@ impl<'a> Control<'a> {
             task,
             clamping,
             theta: system.belt.theta(state.view()),
+            correction: None,
             gripping: task.is_held() || task.warm,
         }
     }
@@ -285,8 +314,15 @@ impl<'a> Control<'a> {
         let holding = system
             .pulleys()
             .holding_force(reaction, trial.after, system.of_belt[reaction].axial);
-        self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
-        self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
+        let of_force = (holding - self.clamping[reaction]) * gain(FORCE_TIME);
+        let of_theta = (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
+        self.clamping[reaction] += of_force;
+        self.theta += of_theta;
+        if let Some(correction) = &mut self.correction {
+            // The force takes over the load of the spring.
+            self.theta -= CLOSING_SIGN[reaction] * of_force / RATIO_STIFFNESS;
+            *correction = of_theta.abs().max((of_force / holding).abs());
+        }
         let is_long = trial.step >= HOMOTOPY_STEP;
         let was_gripping = self.gripping;
         self.gripping |= is_long;

@@ -1,4 +1,4 @@
-//! Queries beyond the standard: the result is text, which the caller frees.
+//! Calls beyond the standard: queries, whose result is text that the caller frees, and a reset.
 
 use std::ffi::CString;
 
@@ -35,6 +35,16 @@ pub unsafe fn query<U: Unit>(
         text.write(c_string(&found).into_raw());
         Ok(status)
     };
+    // SAFETY: the caller grants that it is null or an instance that no other call uses.
+    unsafe { enter(c, function, call) }
+}
+
+/// Resets an instance as [`FmuInstance::reset_near`].
+///
+/// # Safety
+/// The caller grants what [the head of this module](super) lists.
+pub unsafe fn reset_near<U: Unit>(c: Component, function: &'static str) -> Status {
+    let call = |instance: &mut FmuInstance<U>| instance.reset_near().map(|()| Status::Ok);
     // SAFETY: the caller grants that it is null or an instance that no other call uses.
     unsafe { enter(c, function, call) }
 }

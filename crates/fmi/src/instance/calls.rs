@@ -69,6 +69,8 @@ pub struct FmuInstance<U: Unit> {
     guid: OnceCell<String>,
     /// The communication step in progress, between two internal steps of the unit.
     pub(super) step: Option<StepInProgress<U>>,
+    /// The unit of before [`FmuInstance::reset_near`], until the next start.
+    pub(super) near: Option<U>,
     /// The whole dynamic state.
     pub(super) now: Snapshot<U>,
 }
@@ -82,6 +84,7 @@ impl<U: Unit> FmuInstance<U> {
             start: start.clone(),
             guid: OnceCell::new(),
             step: None,
+            near: None,
             now: Snapshot::starting_from(start),
         }
     }
@@ -125,7 +128,11 @@ impl<U: Unit> FmuInstance<U> {
     pub(super) fn start_unit(&mut self) -> Outcome {
         if self.now.unit.is_none() {
             let mut messages = Vec::new();
-            let started = U::start(&self.now.settings, &self.now.experiment, &mut messages);
+            let (settings, experiment) = (&self.now.settings, &self.now.experiment);
+            let started = match self.near.take() {
+                Some(near) => U::start_near(&near, settings, experiment, &mut messages),
+                None => U::start(settings, experiment, &mut messages),
+            };
             self.log_messages(&messages);
             self.now.unit = Some(started.map_err(CallError::Failed)?);
             self.now.clock = Clock::start(self.now.experiment.start)?;

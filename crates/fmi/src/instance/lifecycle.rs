@@ -88,7 +88,19 @@ impl<U: Unit> FmuInstance<U> {
     /// # Errors
     /// The instance is in intermediate update mode.
     pub fn reset(&mut self) -> Outcome {
+        self.reset_near()?;
+        self.near = None;
+        Ok(())
+    }
+
+    /// As [`FmuInstance::reset`]. The search of the next start may begin at the state that the
+    /// present run started from.
+    ///
+    /// # Errors
+    /// The instance is in intermediate update mode.
+    pub fn reset_near(&mut self) -> Outcome {
         self.allow(Call::Always)?;
+        self.near = self.now.unit.take();
         self.now = Snapshot::starting_from(self.start.clone());
         self.log.reset();
         Ok(())

@@ -1,0 +1,107 @@
+//! Steady starts near one another: the same states for a fraction of the work.
+
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Parameters, StartState};
+use pushbelt_support::load_cases::LoadCase;
+use pushbelt_support::run::{restored, started};
+use pushbelt_support::variators::{MODELS, SPEED, chain, mesh, variator};
+
+type Change = fn(&mut Parameters, &mut Inputs);
+
+/// Changes by some per cent, of laws, loads, geometry and content.
+const CHANGES: [Change; 9] = [
+    |p, _| p.friction.pulley *= 1.01,
+    |p, _| p.friction.ring *= 1.1,
+    |p, _| p.contact.stiffness *= 1.1,
+    |p, _| p.belt.pitch_offset *= 1.01,
+    |p, _| p.belt.play *= 1.1,
+    |p, _| p.geometry.belt_length *= 1.001,
+    |_, i| i.secondary.clamping_force *= 1.05,
+    |_, i| i.primary.torque *= 1.05,
+    |p, i| {
+        p.initial.ratio *= 1.01;
+        i.secondary.speed_setpoint /= 1.01;
+    },
+];
+
+/// A steady start of a load case: the torque drives the primary pulley, whose sheave is held.
+fn start(parameters: &Parameters, case: &LoadCase) -> (Parameters, Inputs) {
+    let (mut p, mut inputs) = (parameters.clone(), Inputs::ZERO);
+    (p.initial.steady, p.initial.ratio, p.initial.primary_speed) = (true, case.task().ratio, SPEED);
+    (p.primary.axial, p.secondary.drive) = (Axial::Held, Drive::Speed);
+    inputs.primary.torque = case.torque;
+    inputs.secondary.clamping_force = case.clamping;
+    inputs.secondary.speed_setpoint = SPEED / p.initial.ratio;
+    (p, inputs)
+}
+
+fn near(other: &Variator, parameters: Parameters, inputs: &Inputs) -> Variator {
+    let mut variator = Variator::new(parameters).expect("valid parameters");
+    variator.start_near(other);
+    variator.initialise(0.0, inputs).expect("a start");
+    variator
+}
+
+/// Median of the Jacobians at most 5, the same states within 1e-6, and the work of all a fifth at
+/// most, also from a stored state and on another mesh.
+#[test]
+fn neighbours_are_found_from_one_another() {
+    for parameters in [MODELS.map(variator).to_vec(), vec![chain(MODELS[1])]].concat() {
+        let (mut jacobians, mut all, mut cold_all) = (Vec::new(), 0, 0);
+        for case in LoadCase::three(&parameters, 50.0) {
+            let (parameters, inputs) = start(&parameters, &case);
+            let mut from = started(parameters.clone(), &inputs);
+            let stored = restored(&mut from, parameters.clone());
+            for (k, change) in CHANGES.into_iter().enumerate() {
+                let (mut parameters, mut inputs) = (parameters.clone(), inputs);
+                change(&mut parameters, &mut inputs);
+                let other = if k % 2 == 0 { &from } else { &stored };
+                let mut found = near(other, parameters.clone(), &inputs);
+                let mut cold = started(parameters, &inputs);
+                let (work, cold_work) = (found.start_work(), cold.start_work());
+                jacobians.push(work.factorizations);
+                all += work.residuals + 12 * work.factorizations;
+                cold_all += cold_work.residuals + 12 * cold_work.factorizations;
+                let [a, b] = [found.outputs(), cold.outputs()];
+                for (name, a, b) in [
+                    ("force", a.primary.axial_force, b.primary.axial_force),
+                    ("slip", a.slip, b.slip),
+                    ("loss", a.losses.total(), b.losses.total()),
+                    ("ratio", a.ratio_geometric, b.ratio_geometric),
+                ] {
+                    let off = (a / b - 1.0).abs();
+                    assert!(off < 1e-6, "{} of change {k}, {}: {off:.1e}", name, case.name);
+                }
+            }
+        }
+        jacobians.sort_unstable();
+        let median = jacobians[jacobians.len() / 2];
+        assert!(median <= 5 && 5 * all <= cold_all, "{jacobians:?}, {all} of {cold_all}");
+    }
+}
+
+/// Where the other state is too far off, or there is none, the start has the bits of one without.
+#[test]
+fn far_from_a_neighbour_a_start_is_as_without() {
+    let parameters = variator(MODELS[1]);
+    let [under, _, over] = LoadCase::three(&parameters, 50.0).map(|case| start(&parameters, &case));
+    let without = started(over.0.clone(), &over.1);
+    let far = started(under.0, &under.1);
+    let mut unloaded = over.0.clone();
+    unloaded.initial.steady = false;
+    let unloaded = started(unloaded, &over.1);
+    let of_chain = chain(MODELS[1]);
+    let pins = start(&of_chain, &LoadCase::new(&of_chain, "overdrive", 0.4, 50.0));
+    let pins = started(pins.0, &pins.1);
+    for other in [far, unloaded, pins] {
+        let found = near(&other, over.0.clone(), &over.1);
+        assert_eq!(found.state(), without.state());
+        assert!(found.start_work().residuals < 2 * without.start_work().residuals);
+    }
+    // On half the mesh it still helps.
+    let mut coarse = over.0.clone();
+    coarse.mesh = mesh(8, 6);
+    let coarse = started(coarse, &over.1);
+    let mut found = near(&coarse, over.0.clone(), &over.1);
+    assert_eq!(found.outputs().start_state, StartState::Steady);
+}
