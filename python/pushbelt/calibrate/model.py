@@ -42,7 +42,7 @@ class Model:
         """`solve` solves jobs: values of variables, and a point."""
         self.points, self.solve = tuple(points), solve
         rows = [
-            {"point": place, **vars(point), **vars(one), "measured": one.value, "sd": one.deviation, "key": one.key or one.quantity}
+            {"point": place, **vars(point), **vars(one), "near": None, "measured": one.value, "sd": one.deviation, "key": one.key or one.quantity}
             for place, point in enumerate(points)
             for one in point.measured
         ]
@@ -58,9 +58,9 @@ class Model:
         """Results of the model at all points, for several sets of values."""
         found, count = self._count([(values, point) for values in assignments for point in self.points]), len(self.points)
         self._last = sum(one.solves for one in found[-count:])
-        # The slip of the last set of values is a good estimate for the next one.
+        # Slip and steady state of the last set of values are good estimates for the next one.
         self.points = tuple(
-            replace(point, slip=one.values.get("slip", point.slip)) if point.speed_ratio is not None else point
+            replace(point, slip=one.values.get("slip", point.slip), near=one.near or point.near)
             for point, one in zip(self.points, found[-count:], strict=True)
         )
         return [found[k * count : (k + 1) * count] for k in range(len(assignments))]

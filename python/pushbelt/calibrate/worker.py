@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -45,6 +46,7 @@ class Found(NamedTuple):
     reason: str | None = None  # Reason why there is no steady state
     missing: float = 0.0  # Without a steady state 1 plus the share of the torque that the belt does not carry
     solves: int = 1  # Number of steady states that were solved, or their cost
+    near: bytes = b""  # The stored steady state
 
 
 def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs: Sequence[Job]) -> list[Found]:
@@ -71,8 +73,8 @@ def solve(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Po
 def _started(
     states: SteadyStates, parameters: Mapping[str, float], point: Point, ratio: float, speed_ratio: float, primary_force: float | None = None
 ) -> Instance | Found:
-    """The instance in a steady state, or why there is none. The secondary pulley turns at ω_P/i, the torque drives the primary pulley; its
-    sheave is held at the ratio, or in a shift moves under its force."""
+    """The instance in a steady state, first sought near that of the point, or why there is none. The secondary pulley turns at ω_P/i, the
+    torque drives the primary pulley; its sheave is held at the ratio, or in a shift moves under its force."""
     # The forces of a point are whole: cylinders are in them.
     own = {name: value for name, value in parameters.items() if ".cylinder." not in name} | {"initial.equilibrium": False}
     if primary_force is None and (why := capacity.shortfall(own, ratio, point.torque, point.force)):
@@ -81,7 +83,7 @@ def _started(
     values = driven_by_torque(own, ratio, point.speed / speed_ratio * ratio, point.torque, point.force)
     if primary_force is not None:
         values |= {"primary.axial": Axial.FORCE, "primary.clampingForce": primary_force, "primary.inertia": SHIFT_INERTIA}
-    unit = states.started(values)
+    unit = states.started(values, point.near)
     if unit.not_steady is None:
         return unit
     carried = 0.0
@@ -94,24 +96,28 @@ def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point,
     ratio = point.ratio if ratio is None else ratio
     assert ratio is not None, "a point without a ratio has a speed ratio"
     unit = _started(states, parameters, point, ratio, point.speed_ratio or ratio)
-    return unit if isinstance(unit, Found) else Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")})
+    if isinstance(unit, Found):
+        return unit
+    return Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")}, near=unit.state())
 
 
 def _at_speed_ratio(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
     """The geometric ratio for a speed ratio: i = i_speed (1 − slip), where the slip hardly depends on i; by the secant method."""
-    assert point.speed_ratio is not None
-    ratio = point.speed_ratio * (1.0 - point.slip)
+    speed_ratio = point.speed_ratio
+    assert speed_ratio is not None
+    ratio = speed_ratio * (1.0 - point.slip)
     last_ratio = last_off = math.nan
     for count in range(1, MOST_SOLVES + 1):
         found = _steady(states, parameters, point, ratio)
         if found.reason is not None:
             return found
-        off = point.speed_ratio * (1.0 - found.values["slip"]) - ratio
+        point = replace(point, near=found.near)
+        off = speed_ratio * (1.0 - found.values["slip"]) - ratio
         if abs(off / ratio) < (RATIO_TOLERANCE if count == 1 else CORRECTED):
             return found._replace(solves=count)
         change = off if count == 1 or off == last_off else -off * (ratio - last_ratio) / (off - last_off)
         last_ratio, last_off, ratio = ratio, off, ratio + change
-    return Found({}, f"no geometric ratio gives the speed ratio {point.speed_ratio:g}")
+    return Found({}, f"no geometric ratio gives the speed ratio {speed_ratio:g}")
 
 
 def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
@@ -126,12 +132,12 @@ def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) 
     unit = _started(states, {**parameters, "solver.tolerance": SHIFT_TOLERANCE}, point, begin, point.ratio, point.primary_force)
     if isinstance(unit, Found):
         return unit
-    logs = []
+    logs, near = [], unit.state()
     for time in (SETTLING * revolution, (SETTLING + WINDOW) * revolution):
         unit.step_to(time)
         logs.append(math.log(unit.get("ratio.geometric")))
     found = (logs[1] - logs[0]) / (WINDOW * revolution)
-    return Found({"di/dt": point.ratio * found, "ds/dt": -found / point.ratio})
+    return Found({"di/dt": point.ratio * found, "ds/dt": -found / point.ratio}, near=near)
 
 
 def _record(states: SteadyStates, parameters: Mapping[str, float], record: Point) -> Found:
@@ -143,10 +149,10 @@ def _record(states: SteadyStates, parameters: Mapping[str, float], record: Point
     unit = _started(states, parameters, record, ratio, ratio, primary_force)
     if isinstance(unit, Found):
         return unit
-    reals, found = unit.reals(RECORD_INPUTS), {}
+    reals, found, near = unit.reals(RECORD_INPUTS), {}, unit.state()
     for k, ((time, here), (following, there)) in enumerate(itertools.pairwise(inputs), 1):
         rates = [(after - before) / (following - time) for before, after in zip(here, there, strict=True)]
         unit.set_ramps(reals, here, rates)
         unit.step_to(following)
         found[f"{SAMPLED}@{k}"] = unit.get("ratio.geometric")
-    return Found(found)
+    return Found(found, near=near)

@@ -14,6 +14,7 @@ from .enumerations import Axial, Drive
 from .unit import Archive, Instance, UnitError
 
 StartValues = dict[str, float]
+At = Callable[[Mapping[str, float]], Instance]  # As `SteadyStates.at`
 
 
 def _steady(
@@ -80,7 +81,7 @@ class SteadyStates(AbstractContextManager["SteadyStates"]):
             raise UnitError(unit.not_steady)
         return unit
 
-    def sequence(self) -> Callable[[Mapping[str, float]], Instance]:
+    def sequence(self) -> At:
         """`at` for states one after another: each but the first is sought near the one before."""
         near = False
 
@@ -95,7 +96,7 @@ class SteadyStates(AbstractContextManager["SteadyStates"]):
         """The instance in its initial state, which may not be the requested one. Raises UnitError if a call fails."""
         unit = self.unit
         try:
-            if isinstance(near, bytes):
+            if near and isinstance(near, bytes):
                 unit.restore(near, 0.0)
             unit.restart({**self.parameters, **values}, bool(near))
             unit.initialise()

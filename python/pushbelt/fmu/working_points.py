@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .data import torque_capacity
-from .steady import SteadyStates, driven_at_speed, driven_by_slip, driven_by_torque
+from .steady import At, StartValues, SteadyStates, driven_at_speed, driven_by_slip, driven_by_torque
 from .unit import Instance, UnitError
 
 REFERENCE_LEVER = 5e-5  # Friction coefficient times radius of the secondary bearings, m
@@ -62,9 +62,9 @@ class Along:
     excesses: Sequence[float]  # ln(F_P/(κ F_S)) of the shifts, ascending, without 0
 
 
-def at_torque(states: SteadyStates, line: Line, utilisation: float, near: bool = False) -> Instance:
+def driven_at(states: SteadyStates, line: Line, utilisation: float) -> StartValues:
     torque = utilisation * torque_capacity(states.parameters, line.ratio, line.force)
-    return states.at(driven_by_torque({}, line.ratio, line.speed, torque, line.force), near)
+    return driven_by_torque({}, line.ratio, line.speed, torque, line.force)
 
 
 def point(unit: Instance, ratio: float) -> dict[str, float]:
@@ -91,10 +91,11 @@ def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float
 def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     """All results on a line: plain lists of numbers, None where there is no steady state, and reasons."""
     reasons: dict[str, str] = {}
+    at = states.sequence()
     capacity = torque_capacity(states.parameters, line.ratio, line.force)
 
     def traction(slip: float) -> float:
-        unit = states.at(driven_by_slip({}, line.ratio, line.speed, slip, line.force))
+        unit = at(driven_by_slip({}, line.ratio, line.speed, slip, line.force))
         return -unit.get("primary.shaftTorque") / capacity
 
     (low, least), (high, most) = (limit(traction, sign) for sign in (-1.0, 1.0))
@@ -103,14 +104,14 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
         try:
             if not TRIED * least < utilisation < TRIED * most:
                 raise UnitError(f"beyond the capacity, a utilisation of {(most if utilisation > 0.0 else least):.3f}")
-            points.append(point(at_torque(states, line, utilisation), line.ratio))
+            points.append(point(at(driven_at(states, line, utilisation)), line.ratio))
         except UnitError as error:
             points.append(None)
             reasons[f"{utilisation:g}"] = str(error)
 
     def rates(utilisation: float) -> list[float] | list[None]:
         try:
-            return shift_rates(states, line, utilisation if least < utilisation < most else 0.0, along.excesses)
+            return shift_rates(states, at, line, utilisation if least < utilisation < most else 0.0, along.excesses)
         except UnitError:
             return [None] * len(along.excesses)
 
@@ -123,13 +124,13 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def shift_rates(states: SteadyStates, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
+def shift_rates(states: SteadyStates, at: At, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
     """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess. The primary
     speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
     window, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the
     time."""
-    load = at_torque(states, line, utilisation).get("secondary.externalTorque")
-    unit = states.at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
+    load = at(driven_at(states, line, utilisation)).get("secondary.externalTorque")
+    unit = at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
     holding = unit.get("primary.axialForce")
     begin, state, rates = unit.time, unit.state(), []
     for excess in excesses:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +61,7 @@ class Point:
     primary_force: float | None  # Primary clamping force, N; only in a shift
     measured: tuple[Measured, ...]
     slip: float = 0.0  # Estimate of the model's slip, from which the search for a speed ratio starts
+    near: bytes = field(default=b"", repr=False)  # Stored steady state of the model, near which others of this point are sought first
     samples: tuple[tuple[float, float, float, float, float, float], ...] = ()
     """Of a recorded shift: time from the first one in s, primary speed, primary torque, primary force, secondary force, ratio; SI."""
 
