@@ -51,7 +51,10 @@ fn a_start_near_the_one_before_finds_the_same_state() {
     assert_eq!(importer.reset(), Ok);
     let cold = start(&importer, 31.0);
     for ((near, cold), first) in near.iter().zip(&cold).zip(&first) {
-        assert!((near / cold - 1.0).abs() < 1e-6 && (first / cold - 1.0).abs() > 1e-4, "{near} for {cold}");
+        assert!(
+            (near / cold - 1.0).abs() < 1e-6 && (first / cold - 1.0).abs() > 1e-4,
+            "{near} for {cold}"
+        );
     }
     assert_eq!(reset(std::ptr::null_mut()), Error);
 }

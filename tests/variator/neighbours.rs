@@ -8,8 +8,8 @@ use pushbelt_support::variators::{MODELS, SPEED, chain, mesh, variator};
 
 type Change = fn(&mut Parameters, &mut Inputs);
 
-/// Changes by some per cent, of laws, loads, geometry and content.
-const CHANGES: [Change; 9] = [
+/// Changes by some per cent, of laws, loads, geometry and content; and of the driven shaft.
+const CHANGES: [Change; 10] = [
     |p, _| p.friction.pulley *= 1.01,
     |p, _| p.friction.ring *= 1.1,
     |p, _| p.contact.stiffness *= 1.1,
@@ -21,6 +21,11 @@ const CHANGES: [Change; 9] = [
     |p, i| {
         p.initial.ratio *= 1.01;
         i.secondary.speed_setpoint /= 1.01;
+    },
+    |p, i| {
+        (p.primary.drive, p.secondary.drive) = (Drive::Speed, Drive::Torque);
+        i.primary.speed_setpoint = SPEED;
+        i.secondary.torque = -0.95 * p.initial.ratio * i.primary.torque;
     },
 ];
 
@@ -68,6 +73,7 @@ fn neighbours_are_found_from_one_another() {
                     ("slip", a.slip, b.slip),
                     ("loss", a.losses.total(), b.losses.total()),
                     ("ratio", a.ratio_geometric, b.ratio_geometric),
+                    ("speed", a.primary.speed, b.primary.speed),
                 ] {
                     let off = (a / b - 1.0).abs();
                     assert!(off < 1e-6, "{} of change {k}, {}: {off:.1e}", name, case.name);
