@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .errors import PushbeltError as PushbeltError
     from .errors import UnknownNameError as UnknownNameError
     from .errors import VariatorWarning as VariatorWarning
+    from .fmu.data import parameter_deviations as parameter_deviations
     from .fmu.data import parameter_set as parameter_set
     from .fmu.files import default_fmu as default_fmu
     from .fmu.start_values import StartValueError as StartValueError
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 
 _NAMES = {
     "errors": "ArgumentError FileError MissingFileError MissingPackageError PushbeltError UnknownNameError VariatorWarning",
-    "fmu.data": "parameter_set", "fmu.files": "default_fmu", "fmu.start_values": "StartValueError", "fmu.unit": "UnitError",
+    "fmu.data": "parameter_deviations parameter_set", "fmu.files": "default_fmu", "fmu.start_values": "StartValueError", "fmu.unit": "UnitError",
     "fmu.untrusted": "InputFileError", "linear.grid": "LinearGrid load_linear", "linear.model": "LinearModel LinearPointError",
     "linear.physical": "NotPhysicalError", "maps.data": "MapError Maps", "maps.variator": "MapVariator", "points": "SteadyStateError",
     "recording": "Record", "variator": "Snapshot Variator",

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .arguments import checks, kind, lists, number, optional, refused
+from .arguments import checks, kind, lists, mapping, number, optional, refused
 from .errors import ArgumentError, PushbeltError, package, warn
 from .fmu import capacity
 from .fmu import unit as calls
 from .fmu.closing import closed_by, closing_at
 from .fmu.data import clamping_force, pitch_radius, torque_capacity
-from .fmu.results import SteadyState
+from .fmu.results import Bands, SteadyState, item
 from .fmu.start_values import StartValueError, Variables, checked
 from .fmu.steady import SteadyStates, driven_by_torque
 from .fmu.unit import Archive, UnitError
@@ -198,6 +198,34 @@ class WorkingPoints:
         """
         return self._steady(self._values, self._point(self._values, ratio, torque, speed, force, safety))
 
+    @checks(**POINT, deviations=mapping)
+    def bands(
+        self, ratio: float, torque: float, deviations: Mapping[str, float], *, speed: float = SPEED, force: float | None = None,
+        safety: float | None = SAFETY,
+    ) -> Bands:  # fmt: skip
+        """Outputs of the steady state of `steady`, with standard deviations.
+
+        `deviations` has those of parameters in their units, such as `parameter_deviations("bench168")`, and of `ratio`, `torque`, `speed`
+        and `force`. Each is changed alone, by plus and by minus one of them. With small ones the chords are the gradient.
+        Raises SteadyStateError as `steady`, also for a changed parameter.
+        """
+        point, chords = self._point(self._values, ratio, torque, speed, force, safety), []
+
+        def solved(name: str = "", more: float = 0.0, near: bytes = b"") -> calls.Instance:
+            there, values = point, self._values
+            if name in Point._fields:
+                there = point._replace(**{name: getattr(point, name) + more})
+            elif name:
+                values = {**values, name: item(values, name, "variator", "parameter") + more}
+            return self._solved(driven_by_torque(values, there.ratio, there.speed, there.torque, there.force), there, near)
+
+        unit = solved()
+        outputs, near = unit.outputs(), unit.state()
+        for name, deviation in deviations.items():
+            above, below = (solved(name, sign * deviation, near).outputs() for sign in (1.0, -1.0))
+            chords.append([0.5 * (above[output] - below[output]) for output in outputs])
+        return Bands(outputs, dict(deviations), dict(zip(outputs, np.array(chords).reshape(-1, len(outputs)).T, strict=True)))
+
     def _point(self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float | None) -> Point:
         """A point with the given force, that of a safety factor, or that of the inputs among the values."""
         if force is None:
@@ -220,10 +248,10 @@ class WorkingPoints:
         self._last_steady = (held, state)
         return state
 
-    def _solved(self, values: Values, point: Point) -> calls.Instance:
-        """The instance in the steady state of these start values."""
+    def _solved(self, values: Values, point: Point, near: bytes = b"") -> calls.Instance:
+        """The instance in the steady state of these start values, which is first sought near a stored one."""
         try:
-            return self._states.at(checked(self._declared, {**values, "initial.equilibrium": False}))
+            return self._states.at(checked(self._declared, {**values, "initial.equilibrium": False}), near)
         except (StartValueError, UnitError) as error:
             raise SteadyStateError(f"no steady state {point}: {error}") from error
 

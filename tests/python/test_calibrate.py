@@ -106,7 +106,7 @@ def test_the_step_of_the_differences_stands_on_a_plateau(solver: InProcess, vari
     (base,), found = opened.states([fixed]), []
     for step in (model.STEP / 3.0, model.STEP, 3.0 * model.STEP):
         monkeypatch.setattr(model, "STEP", step)
-        found.append(opened.slopes(chosen, fixed, place, base, central=True))
+        found.append(opened.slopes(chosen, fixed, place, base))
     assert np.abs(found[1]).max(axis=0).min() > 1.0
     for rows in opened.values.groupby("quantity").indices.values():
         assert max(np.abs(other - found[1])[rows].max() for other in found) < 0.02 * np.abs(found[1][rows]).max()
@@ -125,7 +125,7 @@ def test_a_jump_of_a_state_is_not_a_slope(jumped: str) -> None:
 
     opened = model.Model([planned(1.0, 0.5, "thrustRatio")], solve)
     (base,) = opened.states([{"friction.pulley": 0.09}])
-    slopes = opened.slopes([friction], {}, np.array([1.0]), base, central=True)
+    slopes = opened.slopes([friction], {}, np.array([1.0]), base)
     assert slopes == pytest.approx(np.array([[0.9 / NOISE["thrustRatio"]]]))
 
 

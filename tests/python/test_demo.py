@@ -3,6 +3,7 @@
 import math
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,7 @@ from pushbelt.demo import __main__, events
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import primary_radius, theta_of
-from pushbelt.fmu.load_cases import NotFoundError, find_load
+from pushbelt.fmu.load_cases import NotFoundError, solve
 from pushbelt.fmu.results import LoadCase, LoadCaseResult, Profile, SteadyState, Trace, intervals
 from pushbelt.report import page
 
@@ -57,16 +58,14 @@ def test_load_cases_are_the_nine_with_their_clamping_forces() -> None:
 
 def test_load_is_found_in_a_few_evaluations() -> None:
     tried: list[float] = []
-
-    def belt_torque(load: float) -> float:
-        tried.append(load)
-        return -load / 2.3 + 1.5 + 1e-4 * load**2
-
-    load = find_load(belt_torque, 50.0, -100.0)
-    assert tried[-1] == load and len(tried) <= 4
-    assert belt_torque(load) == pytest.approx(50.0, rel=1e-4)
-    with pytest.raises(NotFoundError):
-        find_load(lambda load: min(-load, 40.0), 50.0, -50.0)
+    unit = SimpleNamespace(restart=lambda values, near: tried.append(values["secondary.torque"]), initialise=lambda: None, not_steady=None)
+    unit.outputs = unit.profile = dict
+    unit.get = lambda _: tried[-1] / 2.4 - 1.5
+    state = solve(unit, {"initial.ratio": 2.3}, 50.0)
+    assert state.load_torque == tried[-1] and len(tried) <= 4 and -unit.get("") == pytest.approx(50.0, rel=1e-4)
+    unit.get = lambda _: max(tried[-1], -40.0)
+    with pytest.raises(NotFoundError, match="off by -10 N·m"):
+        solve(unit, {"initial.ratio": 2.3}, 50.0)
 
 
 def synthetic_manoeuvre() -> Trace:

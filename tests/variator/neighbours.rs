@@ -1,27 +1,23 @@
 //! Steady starts near one another: the same states for a fraction of the work.
 
 use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Axial, Drive, Inputs, Parameters, StartState};
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, Parameters};
+use pushbelt_support::checks::assert_close;
 use pushbelt_support::load_cases::LoadCase;
 use pushbelt_support::run::{restored, started};
-use pushbelt_support::variators::{MODELS, SPEED, chain, mesh, variator};
+use pushbelt_support::variators::{MODELS, SPEED, chain, variator};
 
 type Change = fn(&mut Parameters, &mut Inputs);
 
 /// Changes by some per cent, of laws, loads, geometry and content; and of the driven shaft.
-const CHANGES: [Change; 10] = [
+const CHANGES: [Change; 8] = [
     |p, _| p.friction.pulley *= 1.01,
-    |p, _| p.friction.ring *= 1.1,
-    |p, _| p.contact.stiffness *= 1.1,
     |p, _| p.belt.pitch_offset *= 1.01,
     |p, _| p.belt.play *= 1.1,
     |p, _| p.geometry.belt_length *= 1.001,
     |_, i| i.secondary.clamping_force *= 1.05,
     |_, i| i.primary.torque *= 1.05,
-    |p, i| {
-        p.initial.ratio *= 1.01;
-        i.secondary.speed_setpoint /= 1.01;
-    },
+    |p, _| p.initial.ratio *= 1.01,
     |p, i| {
         (p.primary.drive, p.secondary.drive) = (Drive::Speed, Drive::Torque);
         i.primary.speed_setpoint = SPEED;
@@ -68,15 +64,17 @@ fn neighbours_are_found_from_one_another() {
                 all += work.residuals + 12 * work.factorizations;
                 cold_all += cold_work.residuals + 12 * cold_work.factorizations;
                 let [a, b] = [found.outputs(), cold.outputs()];
-                for (name, a, b) in [
-                    ("force", a.primary.axial_force, b.primary.axial_force),
-                    ("slip", a.slip, b.slip),
-                    ("loss", a.losses.total(), b.losses.total()),
-                    ("ratio", a.ratio_geometric, b.ratio_geometric),
-                    ("speed", a.primary.speed, b.primary.speed),
-                ] {
-                    let off = (a / b - 1.0).abs();
-                    assert!(off < 1e-6, "{} of change {k}, {}: {off:.1e}", name, case.name);
+                let read = |o: &Outputs| {
+                    [
+                        o.primary.axial_force,
+                        o.slip,
+                        o.losses.total(),
+                        o.ratio_geometric,
+                        o.primary.speed,
+                    ]
+                };
+                for (a, b) in read(a).into_iter().zip(read(b)) {
+                    assert_close(a, b, 1e-6, &format!("change {k}, {}", case.name));
                 }
             }
         }
@@ -89,25 +87,19 @@ fn neighbours_are_found_from_one_another() {
 /// Where the other state is too far off, or there is none, the start has the bits of one without.
 #[test]
 fn far_from_a_neighbour_a_start_is_as_without() {
-    let parameters = variator(MODELS[1]);
-    let [under, _, over] = LoadCase::three(&parameters, 50.0).map(|case| start(&parameters, &case));
-    let without = started(over.0.clone(), &over.1);
-    let far = started(under.0, &under.1);
-    let mut unloaded = over.0.clone();
+    let [parameters, pins] = [variator(MODELS[1]), chain(MODELS[1])];
+    let [under, _, over] = LoadCase::three(&parameters, 50.0);
+    let (wanted, inputs) = start(&parameters, &over);
+    let without = started(wanted.clone(), &inputs);
+    let mut unloaded = wanted.clone();
     unloaded.initial.steady = false;
-    let unloaded = started(unloaded, &over.1);
-    let of_chain = chain(MODELS[1]);
-    let pins = start(&of_chain, &LoadCase::new(&of_chain, "overdrive", 0.4, 50.0));
-    let pins = started(pins.0, &pins.1);
-    for other in [far, unloaded, pins] {
-        let found = near(&other, over.0.clone(), &over.1);
+    for (other, inputs_of_other) in [
+        start(&parameters, &under),
+        start(&pins, &LoadCase::three(&pins, 50.0)[2]),
+        (unloaded, inputs),
+    ] {
+        let found = near(&started(other, &inputs_of_other), wanted.clone(), &inputs);
         assert_eq!(found.state(), without.state());
         assert!(found.start_work().residuals < 2 * without.start_work().residuals);
     }
-    // On half the mesh it still helps.
-    let mut coarse = over.0.clone();
-    coarse.mesh = mesh(8, 6);
-    let coarse = started(coarse, &over.1);
-    let mut found = near(&coarse, over.0.clone(), &over.1);
-    assert_eq!(found.outputs().start_state, StartState::Steady);
 }

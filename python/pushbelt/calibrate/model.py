@@ -28,8 +28,6 @@ LOST = 100.0
 """Residual of a point without a steady state, in standard deviations. It is so large that no fit improves by losing a point that
 the belt can carry. It is constant, so a lost point has no slope and does not influence the fit."""
 FAR = 10.0  # Upper limit of a residual in the comparison of start points, in standard deviations
-OUTSTANDING = 3.0
-"""A one-sided slope above this multiple of the upper quartile of its quantity is checked by a step to the other side."""
 CONTRADICTION = 0.5  # One-sided slopes contradict each other if they differ by more than this share of the larger one
 LONGEST = 2.5  # Number of solutions after which a search ends, in expected ones
 CHUNK = 6  # Number of points per job of a process
@@ -98,41 +96,28 @@ class Model:
         found, missing = np.abs(self.relative(states)), np.array([states[place].missing for place in self.values["point"]])
         return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
 
-    def slopes(
-        self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found], central: bool
-    ) -> Array:
-        """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences, or, if
-        not `central`, one-sided ones, with steps to the other side only for outstanding points. A steady state may jump to
-        another branch between two values of a parameter. Such a jump is not a slope. If the two one-sided slopes contradict
-        each other, the smallest of both and their mean is used. A lost point has no slope."""
+    def slopes(self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found]) -> Array:
+        """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences. A steady
+        state may jump to another branch between two values of a parameter. Such a jump is not a slope. If the two one-sided slopes
+        contradict each other, the smallest of both and their mean is used. A lost point has no slope."""
         carried, middle = [place for place, found in enumerate(base) if found.reason is None], self.column(base)
 
-        def differences(side: int, places: Sequence[Sequence[int]]) -> Array:
+        def differences(side: int) -> Array:
             """One-sided slopes of the model values; NaN where nothing was solved, also where a step would leave the bounds."""
             jobs: dict[tuple[int, int], Any] = {}
             steps = []
-            for k, (parameter, some) in enumerate(zip(parameters, places, strict=True)):
+            for k, parameter in enumerate(parameters):
                 low, high = parameter.bounds
                 inside = [step for step in (STEP, -STEP) if low <= at[k] + step <= high][side : side + 1]
                 steps.append(inside[0] if inside else np.nan)
                 values = {**fixed, **assign(parameters, at + steps[k] * (np.arange(len(at)) == k))} if inside else {}
-                jobs |= {(k, place): (values, self.points[place]) for place in some if inside}
+                jobs |= {(k, place): (values, self.points[place]) for place in carried if inside}
             moved = dict(zip(jobs, self._count(list(jobs.values())), strict=True))
             lost = Found({})
             columns = [self.column([moved.get((k, place), lost) for place in range(len(self.points))]) for k in range(len(at))]
             return (np.transpose(columns) - middle[:, np.newaxis]) / steps
 
-        everywhere = [carried] * len(parameters)
-        one = differences(0, everywhere)
-        again = everywhere if central else [self._outstanding(column, carried) for column in one.T]
-        return _agreed(one, differences(1, again)) / self.deviations[:, np.newaxis]
-
-    def _outstanding(self, slopes: Array, carried: Sequence[int]) -> list[int]:
-        """Indices, among the points with a steady state, of points whose slope is much larger than that of others, or is missing."""
-        sizes = pd.Series(np.abs(slopes))
-        usual = sizes.groupby(self.values["quantity"]).transform("quantile", 0.75).fillna(0.0)
-        found = sizes.isna() | (sizes > OUTSTANDING * usual)
-        return sorted(set(self.values["point"][found]).intersection(carried))
+        return _agreed(differences(0), differences(1)) / self.deviations[:, np.newaxis]
 
 
 def _agreed(one: Array, other: Array) -> Array:

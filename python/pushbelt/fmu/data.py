@@ -38,20 +38,31 @@ def parameter_set(name: str | os.PathLike[str]) -> dict[str, float]:
     Raises MissingFileError for another name, and InputFileError if the file is not a parameter set, or if it is from an earlier version in which
     parameters have another meaning.
     """
+    return _whole_set(name)[0]
+
+
+@checks(name=file)
+def parameter_deviations(name: str | os.PathLike[str]) -> dict[str, float]:
+    """Standard deviations of a set's parameters, where its file has `deviation` beside `value`. Raises the errors of `parameter_set`."""
+    return _whole_set(name)[1]
+
+
+def _whole_set(name: str | os.PathLike[str]) -> tuple[dict[str, float], dict[str, float]]:
     path = first = _set_file(os.fspath(name))
-    values, base = read_parameters(path)
+    values, deviations, base = read_parameters(path)
     seen = {path.resolve()}
     while base is not None:
         path = _set_file(str(path.parent / base) if base.endswith(".json") else base)
         if path.resolve() in seen:
             raise InputFileError(f"{first} adds to {base}, which adds to it")
         seen.add(path.resolve())
-        below, base = read_parameters(path)
-        values = {**below, **values}
+        below, wide, base = read_parameters(path)
+        values, deviations = {**below, **values}, {**wide, **deviations}
     _refuse_old(first, values)
     if is_chain(values):
         values["belt.pitchOffset"] = 0.0
-    return values
+        deviations.pop("belt.pitchOffset", None)
+    return values, deviations
 
 
 def _set_file(name: str) -> Path:

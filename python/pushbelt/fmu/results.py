@@ -79,6 +79,34 @@ class SteadyState(BeltState):
     load_torque: float  # Secondary torque of the steady state, N·m
 
 
+@dataclass(frozen=True, repr=False)
+class Bands:
+    """Outputs of a steady state, and their standard deviations by independent ones of parameters."""
+
+    outputs: Mapping[str, float]
+    deviations: Mapping[str, float]  # Standard deviations of parameters, and of conditions of the state
+    chords: Mapping[str, Array]  # For each output half of its difference between plus and minus one deviation, for each of these
+
+    def __getitem__(self, name: str) -> float:
+        """Standard deviation of an output."""
+        return float(np.linalg.norm(item(self.chords, name, "state")))
+
+    def largest(self, name: str, count: int = 3) -> dict[str, float]:
+        """Parameters with the largest shares of the variance of an output, and these shares."""
+        shares = item(self.chords, name, "state") ** 2 / (self[name] ** 2 or 1.0)
+        names = list(self.deviations)
+        return {names[k]: float(shares[k]) for k in np.argsort(-shares)[:count]}
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name} {self.outputs[name]:.4g} ± {self[name]:.2g}" for name in ("thrustRatio", "slip", "efficiency"))
+        return f"<Bands by {len(self.deviations)} parameters: {shown}>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A row for each output: its value, its standard deviation, and the chord of each parameter. Needs `pushbelt[maps]`."""
+        rows = {name: [self.outputs[name], self[name], *chords] for name, chords in self.chords.items()}
+        return dataframe(rows).T.set_axis(["value", "deviation", *self.deviations], axis="columns")
+
+
 @dataclass(frozen=True)
 class LoadCase:
     ratio_name: str  # `overdrive`, `medium` or `underdrive`

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import stat
 import zipfile
@@ -102,9 +103,9 @@ def _no_constant(name: str) -> float:
     raise InputFileError(f"{name} is not a number")
 
 
-def read_parameters(path: Path) -> tuple[dict[str, Any], str | None]:
-    """The values of a parameter set: `{"parameters": {name: {"value": …}}}`, numbers, Booleans or text; and its `base`.
-    Raises InputFileError for another form, and the errors of `read_json`."""
+def read_parameters(path: Path) -> tuple[dict[str, Any], dict[str, float], str | None]:
+    """The values of a parameter set: `{"parameters": {name: {"value": …}}}`, numbers, Booleans or text; the standard deviations, numbers above
+    0, of those that have a `deviation`; and its `base`. Raises InputFileError for another form, and the errors of `read_json`."""
     document = read_json(path)
     parameters = document.get("parameters") if isinstance(document, dict) else None
     if not isinstance(parameters, dict):
@@ -112,13 +113,17 @@ def read_parameters(path: Path) -> tuple[dict[str, Any], str | None]:
     base = document.get("base")
     if base is not None and not isinstance(base, str):
         raise InputFileError(f"{path}: the base {base!r} is no name of a set")
-    values = {}
+    values, deviations = {}, {}
     for name, entry in parameters.items():
         value = entry.get("value") if isinstance(entry, dict) else None
         if not isinstance(value, (bool, int, float, str)):
             raise InputFileError(f'{path}: {name} has no "value" that is a number, true, false or text')
         values[name] = value
-    return values, base
+        if "deviation" in entry:
+            if isinstance(found := entry["deviation"], bool) or not isinstance(found, (int, float)) or not 0.0 < found < math.inf:
+                raise InputFileError(f"{path}: the deviation {found!r} of {name} is no number above 0")
+            deviations[name] = float(found)
+    return values, deviations, base
 
 
 def _first_line(error: Exception) -> str:
