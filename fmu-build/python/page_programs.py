@@ -19,7 +19,7 @@ from pushbelt.tables.columns import EXAMPLES
 from pushbelt.tables.points import Measured, Point
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ("introduction.md", "levels.md", "linear.md", "python.md")
+PAGES = ("introduction.md", "levels.md", "linear.md", "python.md", "studies.md")
 PROGRAM = re.compile(r"```python\n((?:(?!```).)*?)```\n\n(?:It prints:\n\n```\n|prints\n\n```\n|prints `)(.*?)(?=```|`\.)", re.DOTALL)
 
 HEADER = (

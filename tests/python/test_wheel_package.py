@@ -105,6 +105,20 @@ def test_a_steady_state_is_at_the_point_and_leaves_the_run(belt: variator.Variat
     assert np.array_equal(belt.outputs, before)
 
 
+def test_bands_are_chords_over_steady_states(belt: variator.Variator) -> None:
+    deviations, force = {"friction.pulley": 1e-3, "torque": 0.5}, belt.least_force(1.5, 40.0)
+    bands = belt.bands(1.5, 40.0, deviations, force=force)
+    above, below = (belt.steady(1.5, torque, force=force) for torque in (40.5, 39.5))
+    for name in ("thrustRatio", "slip", "loss.total", "secondary.speed"):
+        of_friction, of_torque = bands.chords[name]
+        assert of_torque == pytest.approx(0.5 * (above[name] - below[name]), rel=1e-4)
+        assert bands[name] == pytest.approx(np.hypot(of_friction, of_torque)) and sum(bands.largest(name).values()) == pytest.approx(1.0)
+    assert bands.to_dataframe().loc["slip"].tolist() == pytest.approx([bands.outputs["slip"], bands["slip"], *bands.chords["slip"]])
+    with pytest.raises(pushbelt.UnknownNameError, match="belt.play"):
+        belt.bands(1.5, 40.0, {"belt.plya": 1e-5})
+    assert {*pushbelt.parameter_deviations("bench168")} < {*pushbelt.parameter_set("bench168")}
+
+
 def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: Path) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     assert pushbelt.default_fmu() == fmu
