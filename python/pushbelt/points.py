@@ -232,8 +232,8 @@ class WorkingPoints:
             force = closing_at(values, "secondary", ratio, speed) if safety is None else self._least_force(values, ratio, torque, speed, safety)
         return Point(ratio, torque, speed, force)
 
-    def _steady(self, values: Values, point: Point) -> SteadyState:
-        """The steady state at a point with these start values. The last one is kept."""
+    def _steady(self, values: Values, point: Point, near: bool = False) -> SteadyState:
+        """The steady state at a point with these start values, perhaps `near` the one before. The last one is kept."""
         held = driven_by_torque(values, point.ratio, point.speed, point.torque, point.force)
         if self._last_steady is not None and self._last_steady[0] == held:
             return self._last_steady[1]
@@ -241,15 +241,15 @@ class WorkingPoints:
             raise SteadyStateError(f"no steady state {point}: {why}")
         if why := capacity.excessive_speed(values, point.ratio, point.speed):
             warn(why)
-        unit = self._solved(held, point)
+        unit = self._solved(held, point, near)
         state = SteadyState(unit.outputs(), unit.profile(), unit.get("secondary.externalTorque"))
         if state["pastPeak"]:
             raise SteadyStateError(f"the belt slips through {point}, past the peak of its traction: its torque utilisation is {state['torqueUtilisation']:.2f}")
         self._last_steady = (held, state)
         return state
 
-    def _solved(self, values: Values, point: Point, near: bytes = b"") -> calls.Instance:
-        """The instance in the steady state of these start values, which is first sought near a stored one."""
+    def _solved(self, values: Values, point: Point, near: bytes | bool = False) -> calls.Instance:
+        """The instance in the steady state of these start values, first sought near a stored one or the one before."""
         try:
             return self._states.at(checked(self._declared, {**values, "initial.equilibrium": False}), near)
         except (StartValueError, UnitError) as error:
@@ -262,7 +262,7 @@ class WorkingPoints:
         """Whole secondary clamping force with which both pulleys carry a primary torque (N·m) with a safety factor, at least 4 kN; N.
 
         The primary pulley is clamped by the thrust ratio κ times this force. κ is that of at most three steady states at
-        `speed` (rad/s), about 0.05 s each, or `thrust_ratio`, with which nothing is solved.
+        `speed` (rad/s), together about 0.05 s, or `thrust_ratio`, with which nothing is solved.
         """
         return self._least_force(self._values, ratio, torque, speed, safety, thrust_ratio)
 
@@ -280,7 +280,7 @@ class WorkingPoints:
         force, found = max(needed if torque > 0.0 else needed / OVERRUN, LEAST_FORCE), False
         for _ in range(MOST_STATES):
             try:
-                state = self._steady(values, Point(ratio, torque, speed, force))
+                state = self._steady(values, Point(ratio, torque, speed, force), near=found)
             except SteadyStateError:
                 if found:
                     break
