@@ -90,9 +90,9 @@ impl SteadySolver<'_> {
         self.continuation(state, task, own.max(HOMOTOPY_VELOCITY))
     }
 
-    /// Finds the steady state of a `warm` task near by: from one of another task that differs by
-    /// some per cent, moved by [`Neighbour::move_to`](super::refine::Neighbour::move_to), this takes two to ten
-    /// Jacobians instead of a hundred.
+    /// Finds the steady state of a `warm` task from a state moved near it
+    /// ([`Neighbour::move_to`](super::refine::Neighbour::move_to)). Where parameters and loads
+    /// differ by some per cent, this takes one to five Jacobians instead of a hundred.
     ///
     /// # Errors
     /// It is not near enough; `state` is then meaningless.
