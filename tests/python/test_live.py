@@ -22,10 +22,8 @@ from pushbelt.report import style
 pytestmark = pytest.mark.full
 
 STEPS, EVERY = 1000, 100
-RINGS = {
-    "ALE": ({"ring.model": 2}, 1e-8), "ALE0": ({"ring.model": 1}, 1e-4),
-    "chain": (data.parameter_set("chain168") | {"solver.tolerance": 1e-6}, 1e-8),
-}  # fmt: skip
+FINE = data.parameter_set("chain168") | {"solver.tolerance": 1e-6}
+RINGS = {"ALE": ({"ring.model": 2}, 1e-8), "ALE0": ({"ring.model": 1}, 1e-4), "chain": (FINE, 1e-8)}
 """Parameters, and the largest difference relative to the range of an output. Rounding differs, and by it the steps of `ALE0` do, and
 the remaining errors of Newton's method: in the chain's deflections they are 2e-8 with the default tolerance."""
 COUNTS = ("solver.", "energy.residual")  # Outputs that count work, or are what is left of large numbers

@@ -116,7 +116,6 @@ def test_bands_are_chords_over_steady_states(belt: variator.Variator) -> None:
     assert bands.to_dataframe().loc["slip"].tolist() == pytest.approx([bands.outputs["slip"], bands["slip"], *bands.chords["slip"]])
     with pytest.raises(pushbelt.UnknownNameError, match="belt.play"):
         belt.bands(1.5, 40.0, {"belt.plya": 1e-5})
-    assert {*pushbelt.parameter_deviations("bench168")} < {*pushbelt.parameter_set("bench168")}
 
 
 def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: Path) -> None:
