@@ -39,7 +39,8 @@ pub unsafe fn query<U: Unit>(
     unsafe { enter(c, function, call) }
 }
 
-/// Resets an instance as [`FmuInstance::reset_near`].
+/// Resets an instance. The search of the next start may begin at the state that the run before
+/// started from.
 ///
 /// # Safety
 /// The caller grants what [the head of this module](super) lists.
