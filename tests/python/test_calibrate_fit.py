@@ -73,7 +73,7 @@ def test_six_parameters_over_thirty_points_take_few_solutions() -> None:
     assert found.converged and not found.misfit
     sets = opened.solves / len(opened.points)
     assert found.evaluations <= 10
-    assert sets == pytest.approx(1 + 6 + found.evaluations + 12, abs=3)
+    assert sets == pytest.approx(1 + 12 + found.evaluations + 12, abs=3)
 
 
 def fitted(law: Law, truth: Sequence[float], *parameters: Parameter) -> tuple[fit.Estimate, ...]:

@@ -354,7 +354,7 @@ def test_shift_speed_grows_with_force_as_the_map_says(archive: Archive, table: T
     with SteadyStates(archive, {**PARAMETERS, **SHAFTS}) as states:
         for ratio in (0.6, 1.0, 1.7):
             lines = (Line(at, thrust_map.SPEED, ratio) for at in (thrust_map.FORCE, force))
-            at_map, found = (np.array(shift_rates(states, line, 0.3, excesses)) for line in lines)
+            at_map, found = (np.array(shift_rates(states, states.at, line, 0.3, excesses)) for line in lines)
             assert found / at_map == pytest.approx(np.full(2, expected), rel=0.25)
 
 

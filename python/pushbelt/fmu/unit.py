@@ -133,8 +133,8 @@ class Instance(AbstractContextManager["Instance"]):
     # Initialisation and steps
 
     def restart(self, start_values: Mapping[str, float], near: bool = False) -> None:
-        """Resets to the state of a new instance. With `near` a steady start is first sought from the one of the run before."""
-        self._call(self._reset_near if near else self._instance.reset)
+        """Resets to the state of a new instance. With `near` a steady start is first sought from the one before, if the FMU can."""
+        self._call(self._reset_near if near and hasattr(self._instance.dll, "pushbeltResetNear") else self._instance.reset)
         self.log.clear()
         self.time = 0.0
         self._set_up(start_values)
