@@ -33,7 +33,7 @@ pub(super) struct Simulation {
     pub start_work: Counts,
     pub given: Inputs,
     /// A steady state from which that of the next start is sought first.
-    pub near: Option<Arc<Neighbour>>,
+    pub near: Option<Neighbour>,
     /// Why the start is not the requested one, and what helps.
     pub other_start: Option<String>,
     pub messages: Vec<Message>,

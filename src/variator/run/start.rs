@@ -49,18 +49,14 @@ impl Simulation {
 
     /// The kinematic state to start from. An initial ratio beyond an end stop is moved to the stop,
     /// and a set point of a shaft replaces `initial.primarySpeed`.
-    pub fn start_point(&mut self) -> Start {
-        let (parameters, inputs) = (&mut self.system.parameters, &self.given);
-        let (given_ratio, given_speed) = (parameters.initial.ratio, parameters.initial.primary_speed);
-        let range = parameters.ratio_range();
-        let ratio = given_ratio.clamp(*range.start(), *range.end());
-        parameters.initial.ratio = ratio;
-        let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
-            (Drive::Speed, _) => inputs.primary.speed_setpoint,
-            (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * ratio,
-            (Drive::Torque, Drive::Torque) => given_speed,
-        };
-        let clamping = parameters.total_clamping_forces(inputs, ratio, primary_speed);
+    fn start_point(&mut self) -> Start {
+        let start = self.wanted_start();
+        let Start {
+            ratio, primary_speed, ..
+        } = start;
+        let initial = &mut self.system.parameters.initial;
+        let (given_ratio, given_speed) = (initial.ratio, initial.primary_speed);
+        initial.ratio = ratio;
         if ratio != given_ratio {
             let text = format!(
                 "initial.ratio = {given_ratio} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
@@ -74,10 +70,23 @@ impl Simulation {
             );
             self.log(false, text);
         }
+        start
+    }
+
+    /// The same without a message.
+    pub fn wanted_start(&self) -> Start {
+        let (parameters, inputs) = (&self.system.parameters, &self.given);
+        let range = parameters.ratio_range();
+        let ratio = parameters.initial.ratio.clamp(*range.start(), *range.end());
+        let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
+            (Drive::Speed, _) => inputs.primary.speed_setpoint,
+            (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * ratio,
+            (Drive::Torque, Drive::Torque) => parameters.initial.primary_speed,
+        };
         Start {
             ratio,
             primary_speed,
-            clamping,
+            clamping: parameters.total_clamping_forces(inputs, ratio, primary_speed),
         }
     }
 
@@ -111,7 +120,7 @@ impl Simulation {
         if start.primary_speed.abs() <= STANDSTILL {
             return self.start_at_rest(start);
         }
-        self.start_cold(start)?;
+        self.state = self.cold_state(start)?;
         self.solve_steady().or_else(|why| match why {
             NoSteadyState::Hopeless(_) => Err(InitialisationError::NoState(why.to_string())),
             NoSteadyState::NotFound(why) => {
@@ -224,20 +233,20 @@ impl Simulation {
         kinematic_state(&self.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))
     }
 
-    /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
-    pub fn start_cold(&mut self, start: &Start) -> Result<(), InitialisationError> {
-        self.state = self.kinematic_state(start)?;
+    /// The kinematic state, the secondary pulley at its set point if it has one.
+    pub fn cold_state(&self, start: &Start) -> Result<State, InitialisationError> {
+        let mut state = self.kinematic_state(start)?;
         if self.system.parameters.secondary.drive == Drive::Speed {
             let i = self.system.belt.layout.shaft_speed(Pulley::Secondary);
-            self.state.y[i] = self.given.secondary.speed_setpoint;
+            state.y[i] = self.given.secondary.speed_setpoint;
         }
-        Ok(())
+        Ok(state)
     }
 
     /// Starts unloaded; the friction velocity falls from a larger one.
     fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
         let clamping = PerPulley::default();
-        self.start_cold(&Start { clamping, ..*start })?;
+        self.state = self.cold_state(&Start { clamping, ..*start })?;
         self.soft_since = self.time;
         Ok(())
     }

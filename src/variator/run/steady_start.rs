@@ -7,7 +7,6 @@ use super::tuning::{
     CLOSE_FRACTION, LEAST_FRACTION, NEXT_FRACTION, REAL_TIME, SLIP_AT_CAPACITY, STEADY_WORK,
 };
 use crate::pulley::{PerPulley, Pulley};
-use crate::solver::State;
 use crate::solver::continuation::NotSteady;
 use crate::solver::newton::{Newton, WorkBound};
 use crate::variator::diagnostics::belt::NO_FORCE;
@@ -141,7 +140,7 @@ impl Simulation {
         demand: Option<TorqueDemand>,
     ) -> Result<f64, NoSteadyState> {
         let cold = self.state.clone();
-        if self.solve_near(newton, reaction, &cold) {
+        if self.solve_near(newton, reaction) {
             return Ok(1.0);
         }
         self.state.clone_from(&cold);
@@ -188,34 +187,21 @@ impl Simulation {
 
     /// Whether the steady state is found from that of another variator, not past the peak of
     /// traction.
-    fn solve_near(&mut self, newton: &mut Newton, reaction: Pulley, cold: &State) -> bool {
-        let task = SteadyTask {
-            warm: true,
-            ..self.steady_task(reaction, 1.0)
+    fn solve_near(&mut self, newton: &mut Newton, reaction: Pulley) -> bool {
+        let Some(near) = self.near.take() else {
+            return false;
         };
-        let Simulation {
-            system, state, near, ..
-        } = self;
-        let moved = near.take().is_some_and(|near| near.move_to(&system.belt, state));
-        for pulley in Pulley::BOTH {
-            if task.shaft[pulley] == ShaftMode::Fixed {
-                let i = system.belt.layout.shaft_speed(pulley);
-                state.y[i] = cold.y[i];
-            }
-        }
-        moved
-            && (SteadySolver { system, newton }).solve_near(state, &task).is_ok()
-            && !self.sums().past_peak()
+        let task = self.steady_task(reaction, 1.0);
+        let Simulation { system, state, .. } = self;
+        let found = SteadySolver { system, newton }.solve_near(state, &task, &near);
+        found.is_ok() && !self.sums().past_peak()
     }
 
     /// The present state, in which the run has started, for steady states near by.
     pub fn neighbour(&self) -> Option<Neighbour> {
-        let mut cold = self.clone();
-        let start = cold.start_point();
-        cold.start_cold(&start).ok()?;
         Some(Neighbour {
             belt: self.system.belt.clone(),
-            kinematic: cold.state,
+            kinematic: self.cold_state(&self.wanted_start()).ok()?,
             state: self.state.clone(),
         })
     }

@@ -104,7 +104,7 @@ impl Variator {
     /// they differ by more, the start is as without.
     pub fn start_near(&mut self, other: &Self) {
         let starts = other.start_state == StartState::Steady && other.counts().steps == 0;
-        self.simulation.near = starts.then(|| other.simulation.neighbour()).flatten().map(Arc::new);
+        self.simulation.near = starts.then(|| other.simulation.neighbour()).flatten();
     }
 
     /// Finds the state to start from at `time`. If it can't be found, the run starts from the

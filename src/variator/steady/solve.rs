@@ -4,7 +4,7 @@
 //! stiff spring on Θ holds the ratio. After each step its force is moved to the reaction, and its
 //! set point until the pressure-weighted radii have the specified ratio.
 
-use super::refine::{coarser, prolong};
+use super::refine::{Neighbour, coarser, prolong};
 use super::start::{Start, kinematic_state};
 use super::{
     FEW_SOLVES, FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES,
@@ -90,16 +90,32 @@ impl SteadySolver<'_> {
         self.continuation(state, task, own.max(HOMOTOPY_VELOCITY))
     }
 
-    /// Finds the steady state of a `warm` task from a state moved near it
-    /// ([`Neighbour::move_to`](super::refine::Neighbour::move_to)). Where parameters and loads
-    /// differ by some per cent, this takes one to five Jacobians instead of a hundred.
+    /// Finds the steady state from a neighbouring one; `state` is the kinematic state. Where
+    /// parameters and loads differ by some per cent, this takes one to five Jacobians instead of a
+    /// hundred.
     ///
     /// # Errors
-    /// It is not near enough; `state` is then meaningless.
-    pub fn solve_near(&mut self, state: &mut State, task: &SteadyTask) -> Result<(), NotSteady> {
+    /// The neighbour is not near enough; `state` is then meaningless.
+    pub fn solve_near(
+        &mut self,
+        state: &mut State,
+        task: &SteadyTask,
+        near: &Neighbour,
+    ) -> Result<(), NotSteady> {
+        let belt = &*self.system.belt;
+        let given = belt.shaft_speeds(state.view());
+        if !near.move_to(belt, state) {
+            return Err(NotSteady::default());
+        }
+        for pulley in Pulley::BOTH {
+            if task.shaft[pulley] == ShaftMode::Fixed {
+                state.y[belt.layout.shaft_speed(pulley)] = given[pulley];
+            }
+        }
+        let task = SteadyTask { warm: true, ..*task };
         let mut control = Control {
             correction: Some(f64::INFINITY),
-            ..Control::new(self.system, state, task)
+            ..Control::new(self.system, state, &task)
         };
         self.system.loads = Loads::Steady(control.boundary());
         settle(
