@@ -5,7 +5,8 @@ use libc::c_char;
 
 use pushbelt::fmi::fmi2::{Component, query};
 use pushbelt::fmi::log::Status;
-use pushbelt::unit::{VariatorUnit, linear_model};
+use pushbelt::unit::{VariatorUnit, gradient, linear_model};
+use std::ptr::null;
 
 pushbelt::fmi::export_functions! {
     /// The linear model about the state in which an instance is, as JSON; `docs/linear.md`
@@ -24,8 +25,24 @@ pushbelt::fmi::export_functions! {
     /// `c` is null or an instance from `fmi2Instantiate` that has not been freed and that no other
     /// call is using. `json` is null or points to a pointer that may be written.
     pushbeltLinearize(c: Component, frequency: f64, json: *mut *mut c_char) -> Status, on c =
-        query::query::<VariatorUnit>(c, "pushbeltLinearize", json, |unit, settings, remarks| {
+        query::query::<VariatorUnit>(c, "pushbeltLinearize", (null(), 0), json, |unit, settings, _, remarks| {
             linear_model(unit, settings, frequency, remarks)
+        });
+
+    /// The derivatives of all real outputs of a steady start with respect to `nvr` real parameters
+    /// and inputs, as JSON; `docs/studies.md` describes it.
+    ///
+    /// Allowed in initialisation mode and until the first step; the instance does not change.
+    /// `*json` is set to a string that ends with a zero. Free it by [`pushbeltFreeText`].
+    ///
+    /// `fmi2Error`: there is no gradient, and `*json` is null. The reason is logged; the instance
+    /// can continue.
+    ///
+    /// # Safety
+    /// As [`pushbeltLinearize`]; `vr` is null or points to `nvr` numbers.
+    pushbeltGradient(c: Component, vr: *const u32, nvr: usize, json: *mut *mut c_char) -> Status, on c =
+        query::query::<VariatorUnit>(c, "pushbeltGradient", (vr, nvr), json, |unit, settings, vr, _| {
+            gradient(unit, settings, vr)
         });
 
     /// Resets an instance as `fmi2Reset`. The next steady start begins at the steady state that the

@@ -15,7 +15,7 @@ use crate::variator::settings::Outputs;
 const FREQUENCIES: RangeInclusive<f64> = 1.0e-2..=1.0e5;
 
 /// Name, unit and value of a real output.
-type Column<'a> = (&'a str, &'static str, fn(&Outputs) -> f64);
+pub(super) type Column<'a> = (&'a str, &'static str, fn(&Outputs) -> f64);
 
 /// The linear model about the present state of `unit` under the inputs of `settings`, with modes
 /// below `frequency`, Hz, and a warning for each difference from the specified point.
@@ -45,7 +45,7 @@ pub fn linear_model<R: Rings>(
     Ok(format!("{:#}", to_json(&found, &columns, frequency, time)))
 }
 
-fn column(output: &Variable<(), Outputs>) -> Option<Column<'_>> {
+pub(super) fn column(output: &Variable<(), Outputs>) -> Option<Column<'_>> {
     match output.kind {
         Kind::Real {
             unit,
@@ -56,19 +56,21 @@ fn column(output: &Variable<(), Outputs>) -> Option<Column<'_>> {
     }
 }
 
+pub(super) fn to_output((name, unit, get): &Column<'_>, outputs: &Outputs) -> Value {
+    json!({"name": name, "unit": unit, "value": get(outputs)})
+}
+
 fn to_json(model: &LinearModel, columns: &[Column<'_>], frequency: f64, time: f64) -> Value {
     let load = |load: &Load| {
         let (given, held) = (load.value(&model.given), load.value(&model.inputs));
         json!({"name": load.name(), "unit": load.unit(), "given": given, "held": held})
     };
-    let output =
-        |(name, unit, get): &Column<'_>| json!({"name": name, "unit": unit, "value": get(&model.outputs)});
     json!({
         "about": "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it",
         "frequency": {"unit": "Hz", "value": frequency},
         "time": {"unit": "s", "value": time},
         "inputs": model.loads.iter().map(load).collect::<Vec<_>>(),
-        "outputs": columns.iter().map(output).collect::<Vec<_>>(),
+        "outputs": columns.iter().map(|column| to_output(column, &model.outputs)).collect::<Vec<_>>(),
         "states": states(&model.poles),
         "poles": model.poles,
         "slip": model.outputs.slip,

@@ -13,8 +13,12 @@ use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::settings::capacity::{TorqueDemand, excessive_speed};
 use crate::variator::settings::{Axial, Drive, StartState};
+use crate::variator::steady::FORCE_ERROR;
 use crate::variator::steady::refine::Neighbour;
-use crate::variator::steady::solve::{SteadySolver, SteadyTask, geometric_ratio, reaction};
+use crate::variator::steady::solve::{
+    SteadySolver, SteadyTask, geometric_ratio, reaction, tangent, unbalance,
+};
+use std::sync::Arc;
 
 /// Why there is no steady state to start from.
 #[derive(Debug, thiserror::Error)]
@@ -47,13 +51,7 @@ impl Simulation {
     fn solve_within(&mut self, newton: &mut Newton) -> Result<StartState, NoSteadyState> {
         let parameters = &self.system.parameters;
         let (ratio, speed) = (parameters.initial.ratio, self.primary_speed());
-        let [primary, secondary] = [parameters.primary.axial, parameters.secondary.axial];
-        let holds_primary = secondary == Axial::Held && primary == Axial::Force;
-        let clamped = if holds_primary {
-            Pulley::Primary
-        } else {
-            Pulley::Secondary
-        };
+        let clamped = self.clamped();
         let force = parameters.total_clamping_forces(&self.given, ratio, speed)[clamped];
         if force < NO_FORCE {
             let name = parameters.clamping_variable(clamped);
@@ -66,8 +64,8 @@ impl Simulation {
         if let Some(why) = excessive_speed(parameters, &self.given, ratio, speed) {
             return Err(NoSteadyState::Hopeless(why));
         }
-        let free = [primary, secondary] == [Axial::Force; 2];
-        let balance = free && parameters.initial.equilibrium;
+        let free = [parameters.primary.axial, parameters.secondary.axial] == [Axial::Force; 2];
+        let balance = self.balances();
         let demand = TorqueDemand::new(parameters, &self.given, clamped, ratio, speed);
         let whole = self.steady_task(clamped.other(), 1.0);
         let fraction = self.solve_largest_torque(newton, clamped.other(), demand)?;
@@ -90,6 +88,22 @@ impl Simulation {
             self.log(false, text);
         }
         Ok(found)
+    }
+
+    /// The pulley whose clamping force is given in a steady state; the other one's holds the ratio.
+    fn clamped(&self) -> Pulley {
+        let parameters = &self.system.parameters;
+        match (parameters.primary.axial, parameters.secondary.axial) {
+            (Axial::Force, Axial::Held) => Pulley::Primary,
+            _ => Pulley::Secondary,
+        }
+    }
+
+    /// Whether both clamping forces are given, and the ratio follows.
+    pub fn balances(&self) -> bool {
+        let parameters = &self.system.parameters;
+        let forces = [parameters.primary.axial, parameters.secondary.axial] == [Axial::Force; 2];
+        forces && parameters.initial.equilibrium
     }
 
     /// Speed of the primary pulley in the present state, rad/s.
@@ -203,6 +217,22 @@ impl Simulation {
             belt: self.system.belt.clone(),
             kinematic: self.cold_state(&self.wanted_start()).ok()?,
             state: self.state.clone(),
+            tangent: None,
+        })
+    }
+
+    /// The same with the tangent of steady states there; none where the Jacobian is singular or the
+    /// forces press a sheave against its stop.
+    pub fn tangent(&self) -> Option<Neighbour> {
+        let (mut system, balance) = (self.system.clone(), self.balances());
+        let task = self.steady_task(self.clamped().other(), 1.0);
+        if balance && unbalance(&system, &self.state, &task).abs() > FORCE_ERROR {
+            return None;
+        }
+        let tangent = tangent(&mut system, &self.state, &task, balance).ok()?;
+        Some(Neighbour {
+            tangent: Some(Arc::new(tangent)),
+            ..self.neighbour()?
         })
     }
 

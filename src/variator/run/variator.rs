@@ -18,6 +18,7 @@ use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::settings::{
     Inputs, Outputs, ParameterError, Parameters, Profile, Readings, StartState, Work,
 };
+use crate::variator::steady::refine::Neighbour;
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 
@@ -105,6 +106,28 @@ impl Variator {
     pub fn start_near(&mut self, other: &Self) {
         let starts = other.start_state == StartState::Steady && other.counts().steps == 0;
         self.simulation.near = starts.then(|| other.simulation.neighbour()).flatten();
+    }
+
+    /// The steady state from which the run starts, with its tangent, for [`Variator::start_along`].
+    /// None where there is no tangent: it is not the start of a run, the start is not a steady state
+    /// at these loads, or the belt slips through or is pressed against a stop.
+    #[must_use]
+    pub fn tangent(&self) -> Option<Neighbour> {
+        let starts = self.start_state == StartState::Steady && self.counts().steps == 0;
+        let grips = !self.macro_slip && !self.simulation.energy.last.sums.past_peak();
+        (starts && grips).then(|| self.simulation.tangent()).flatten()
+    }
+
+    /// Takes the next start on the tangent, for derivatives over parameters and inputs that differ
+    /// by a millionth.
+    pub fn start_along(&mut self, tangent: Neighbour) {
+        self.simulation.near = Some(tangent);
+    }
+
+    /// Whether the start is in equilibrium of both clamping forces, and not at a held ratio.
+    #[must_use]
+    pub fn balances(&self) -> bool {
+        self.simulation.balances()
     }
 
     /// Finds the state to start from at `time`. If it can't be found, the run starts from the

@@ -7,6 +7,7 @@
 pub mod refine;
 pub mod solve;
 pub mod start;
+pub mod tangent;
 
 /// First pseudo-time step, s. Half: +3, +4; twice: -2, -2, over 110 random starts, nine load cases
 /// and two maps.
@@ -51,4 +52,11 @@ const FEWEST_ON_ARC: i32 = 6;
 const FEWEST_ON_STRAND: i32 = 3;
 
 /// Relative force error of an equilibrium. Half and twice: 0, 0.
-const FORCE_ERROR: f64 = 1.0e-6;
+pub(crate) const FORCE_ERROR: f64 = 1.0e-6;
+
+/// Time over which the Jacobian of a tangent keeps the state, s. Without an end the content of all
+/// elements would be free. Half and twice: no derivative changes by 1e-6.
+const TANGENT_TIME: f64 = 1.0e5;
+/// Change of the reacting force by which its effect is measured, N: a spring of [`RATIO_TIME`]'s
+/// ratio yields by 1e-6.
+const TANGENT_FORCE: f64 = 10.0;

@@ -4,6 +4,7 @@
 //! A mesh with half the elements and one cell in each gives nearly the same result, and its
 //! Jacobian costs a quarter.
 
+use super::tangent::Tangent;
 use super::{FEWEST_ON_ARC, FEWEST_ON_STRAND};
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
@@ -73,6 +74,8 @@ pub struct Neighbour {
     pub kinematic: State,
     /// The steady state.
     pub state: State,
+    /// With it, others are taken on the tangent, for derivatives; else they are solved for.
+    pub tangent: Option<Arc<Tangent>>,
 }
 
 impl Neighbour {
@@ -84,6 +87,7 @@ impl Neighbour {
             belt: of,
             kinematic,
             state: from,
+            ..
         } = self;
         let [here, there] =
             [belt, of].map(|belt| (belt.ring.name(), belt.layout.components, belt.law.is_pull_chain()));

@@ -6,12 +6,14 @@
 
 use super::refine::{Neighbour, coarser, prolong};
 use super::start::{Start, kinematic_state};
+use super::tangent::Tangent;
 use super::{
     FEW_SOLVES, FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES,
     NEGLIGIBLE, RATIO_TIME, RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
 };
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
+use crate::solver::arrow::Singular;
 use crate::solver::continuation::{ContinuationSettings, NotSteady, Trial, continue_to_steady, settle};
 use crate::solver::newton::Newton;
 use crate::solver::{State, View};
@@ -118,6 +120,10 @@ impl SteadySolver<'_> {
             ..Control::new(self.system, state, &task)
         };
         self.system.loads = Loads::Steady(control.boundary());
+        if let Some(tangent) = &near.tangent {
+            tangent.correct(self.system, state, &task);
+            return Ok(());
+        }
         settle(
             self.system,
             self.newton,
@@ -181,13 +187,8 @@ impl SteadySolver<'_> {
         task: &SteadyTask,
         ratios: &RangeInclusive<f64>,
     ) -> Result<bool, NotSteady> {
-        let defect = |system: &VariatorSystem, state: &State| {
-            let passive = system.pulleys().passive_force(task.reaction, state.view());
-            let holding = reaction(system, state.view(), task.reaction);
-            ((task.clamping[task.reaction] + passive).max(1.0) / (holding + passive).max(1.0)).ln()
-        };
         let mut x = task.ratio.ln();
-        let mut f = defect(self.system, state);
+        let mut f = unbalance(self.system, state, task);
         // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
         let mut slope = if task.reaction == Pulley::Primary { 0.5 } else { -0.5 };
         for _ in 0..MOST_SOLVES {
@@ -220,7 +221,7 @@ impl SteadySolver<'_> {
                 *state = kinematic;
             }
             self.solve(state, &next_task)?;
-            let reached = defect(self.system, state);
+            let reached = unbalance(self.system, state, task);
             let secant = (reached - f) / (next - x);
             if secant * slope > 0.0 {
                 slope = secant;
@@ -362,6 +363,29 @@ fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
         (1.0 - ratio * speeds.secondary / speeds.primary).abs()
     };
     slip(trial.after) > RUN_AWAY.max(slip(trial.before))
+}
+
+/// The tangent of steady states at this one of a task, which its ratio or, with `balance`, both
+/// clamping forces hold.
+///
+/// # Errors
+/// The Jacobian is singular.
+pub fn tangent(
+    system: &mut VariatorSystem,
+    state: &State,
+    task: &SteadyTask,
+    balance: bool,
+) -> Result<Tangent, Singular> {
+    let task = SteadyTask { warm: true, ..*task };
+    system.loads = Loads::Steady(Control::new(system, state, &task).boundary());
+    Tangent::new(system, state, &task, balance)
+}
+
+/// ln of the task's clamping force on its reacting pulley over the force that holds this state.
+pub(crate) fn unbalance(system: &VariatorSystem, state: &State, task: &SteadyTask) -> f64 {
+    let passive = system.pulleys().passive_force(task.reaction, state.view());
+    let holding = reaction(system, state.view(), task.reaction);
+    ((task.clamping[task.reaction] + passive).max(1.0) / (holding + passive).max(1.0)).ln()
 }
 
 /// Force of clamp and pressure on a pulley that would hold its sheave where it is, N.

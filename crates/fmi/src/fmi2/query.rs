@@ -7,13 +7,13 @@ use std::ptr;
 
 use super::Component;
 use crate::c::creation::c_string;
-use crate::c::entry::{contain, enter, result};
+use crate::c::entry::{array, contain, enter, result};
 use crate::instance::FmuInstance;
 use crate::log::Status;
 use crate::unit::{Message, Unit};
 
-/// Makes a query about the unit and returns the result as a string of its own. `*text` is null
-/// where there is none.
+/// Makes a query about the unit, and about variables of it, and returns the result as a string of
+/// its own. `*text` is null where there is none.
 ///
 /// # Safety
 /// The caller grants what [the head of this module](super) lists. The previous value of `*text` is
@@ -21,8 +21,9 @@ use crate::unit::{Message, Unit};
 pub unsafe fn query<U: Unit>(
     c: Component,
     function: &'static str,
+    (references, count): (*const u32, usize),
     text: *mut *mut c_char,
-    query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Message>) -> Result<String, String>,
+    query: impl FnOnce(&mut U, &U::Settings, &[u32], &mut Vec<Message>) -> Result<String, String>,
 ) -> Status {
     if !text.is_null() {
         // SAFETY: it is not null, and the caller grants that a pointer may be written there.
@@ -31,7 +32,10 @@ pub unsafe fn query<U: Unit>(
     let call = |instance: &mut FmuInstance<U>| {
         // SAFETY: it is null or points to the pointer written above.
         let text = unsafe { result(text) }?;
-        let (status, found) = instance.query(query)?;
+        // SAFETY: the caller grants that it is null or points to so many numbers.
+        let references = unsafe { array(references, count) }?;
+        let (status, found) =
+            instance.query(|unit, settings, remarks| query(unit, settings, references, remarks))?;
         text.write(c_string(&found).into_raw());
         Ok(status)
     };
