@@ -8,6 +8,8 @@
 #ifndef PUSHBELT_H
 #define PUSHBELT_H
 
+#include <stddef.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -32,6 +34,22 @@ extern "C" {
 typedef int pushbeltLinearizeTYPE(void *instance, double frequency, char **json);
 int pushbeltLinearize(void *instance, double frequency, char **json);
 
+/* The derivatives of all real outputs of a steady start with respect to real parameters and inputs, as JSON.
+ *
+ * instance   an fmi2Component in initialization mode, or after it before the first step. Its state does not change.
+ * vr, nvr    value references of the parameters and inputs, and how many.
+ * json       as of pushbeltLinearize.
+ *
+ * Returns an fmi2Status: fmi2OK, or fmi2Error if there is no gradient, for example because the start is not steady, the belt slips
+ * through, or a variable is not real. The log has the reason; the instance can still be used.
+ *
+ * The object has: outputs and variables (name, unit, value); gradient (a row for each output, a column for each variable, SI units; null
+ * for extremes along the belt, idle arcs, and the efficiency without power); held ("ratio" or "clamping forces": what the changed
+ * starts keep).
+ */
+typedef int pushbeltGradientTYPE(void *instance, const unsigned int vr[], size_t nvr, char **json);
+int pushbeltGradient(void *instance, const unsigned int vr[], size_t nvr, char **json);
+
 /* Resets an instance as fmi2Reset does. The next steady start (initial.steady) begins its search at the steady state that the run
  * before started from: where the two differ by some per cent, it takes a tenth of the work. The same state is found, within 1e-5.
  * If it is not near enough, it is sought as after fmi2Reset.
@@ -41,7 +59,7 @@ int pushbeltLinearize(void *instance, double frequency, char **json);
 typedef int pushbeltResetNearTYPE(void *instance);
 int pushbeltResetNear(void *instance);
 
-/* Frees a string of pushbeltLinearize; NULL is legal. */
+/* Frees a string of pushbeltLinearize or pushbeltGradient; NULL is legal. */
 typedef void pushbeltFreeTextTYPE(char *text);
 void pushbeltFreeText(char *text);
 

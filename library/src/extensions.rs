@@ -1,5 +1,5 @@
-//! The C functions beyond the standard: the linear model of an instance, and steady states in
-//! sequence. `resources/pushbelt.h` declares them for C.
+//! The C functions beyond the standard: the linear model of an instance, the gradient of a steady
+//! start, and steady starts in sequence. `resources/pushbelt.h` declares them for C.
 
 use libc::c_char;
 
@@ -54,9 +54,9 @@ pushbelt::fmi::export_functions! {
     pushbeltResetNear(c: Component) -> Status, on c =
         query::reset_near::<VariatorUnit>(c, "pushbeltResetNear");
 
-    /// Frees a string of [`pushbeltLinearize`]; null is legal.
+    /// Frees a string of [`pushbeltLinearize`] or [`pushbeltGradient`]; null is legal.
     ///
     /// # Safety
-    /// `text` is null or comes from [`pushbeltLinearize`] and has not been freed.
+    /// `text` is null or comes from one of them and has not been freed.
     pushbeltFreeText(text: *mut c_char) = query::free_text(text);
 }

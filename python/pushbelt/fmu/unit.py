@@ -8,7 +8,7 @@ import os
 import re
 import shutil
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -229,16 +229,25 @@ class Instance(AbstractContextManager["Instance"]):
     def linearise(self, frequency: float) -> dict[str, Any]:
         """The linear model about the present state, as returned by `pushbeltLinearize`. Modes below a frequency (Hz)
         are states. Raises UnitError if there is none. `warnings` contains its warnings."""
-        if not hasattr(library := self._instance.dll, "pushbeltLinearize"):
-            raise UnitError("this version of the FMU does not support linear models: it has no function pushbeltLinearize")
-        function, free = library.pushbeltLinearize, library.pushbeltFreeText
-        function.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_void_p)]
+        return self._query("pushbeltLinearize", ctypes.c_double(frequency))
+
+    def gradient(self, names: Sequence[str]) -> dict[str, Any]:
+        """Derivatives of the real outputs of a steady start with respect to parameters and inputs by name, before the first step, as
+        returned by `pushbeltGradient`. Raises UnitError if there are none."""
+        references = [self.variables[name].valueReference for name in names]
+        return self._query("pushbeltGradient", (ctypes.c_uint32 * len(references))(*references), ctypes.c_size_t(len(references)))
+
+    def _query(self, name: str, *arguments: Any) -> dict[str, Any]:
+        """The JSON text of a function beyond the standard."""
+        library, text = self._instance.dll, ctypes.c_void_p()
+        if not hasattr(library, name):
+            raise UnitError(f"this version of the FMU has no function {name}")
+        function, free = library[name], library.pushbeltFreeText
         free.argtypes, free.restype = [ctypes.c_void_p], None
-        text = ctypes.c_void_p()
 
         def call() -> None:
-            if function(self._instance.component, frequency, ctypes.byref(text)) > fmi2.fmi2Warning:
-                raise UnitError("the FMU returned no linear model, and its log has no reason")
+            if function(ctypes.c_void_p(self._instance.component), *arguments, ctypes.byref(text)) > fmi2.fmi2Warning:
+                raise UnitError(f"{name} returned nothing, and its log has no reason")
 
         try:
             self._call(call)

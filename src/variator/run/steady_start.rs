@@ -229,11 +229,9 @@ impl Simulation {
         if balance && unbalance(&system, &self.state, &task).abs() > FORCE_ERROR {
             return None;
         }
-        let tangent = tangent(&mut system, &self.state, &task, balance).ok()?;
-        Some(Neighbour {
-            tangent: Some(Arc::new(tangent)),
-            ..self.neighbour()?
-        })
+        let mut near = self.neighbour()?;
+        near.tangent = Some(Arc::new(tangent(&mut system, &mut near.state, &task, balance)?));
+        Some(near)
     }
 
     fn solve(&mut self, newton: &mut Newton, task: &SteadyTask) -> Result<(), NotSteady> {

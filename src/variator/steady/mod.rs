@@ -24,8 +24,8 @@ const MOST_SOLVES: usize = 400;
 /// Most Newton solves with the same factors from a neighbouring state: each corrects the set points
 /// of force and ratio. Two to nine are used.
 const FEW_SOLVES: usize = MOST_SOLVES / 16;
-/// Negligible correction of the set point of Θ, and of a force relative to it, from a neighbouring
-/// state.
+/// Negligible correction of the set point of Θ, and of a force or a ratio relative to it, from a
+/// neighbouring state.
 const NEGLIGIBLE: f64 = 1.0e-8;
 
 /// Regularisation homotopy: first friction velocity, m/s, and factor of each reduction, down to the
@@ -53,10 +53,3 @@ const FEWEST_ON_STRAND: i32 = 3;
 
 /// Relative force error of an equilibrium. Half and twice: 0, 0.
 pub(crate) const FORCE_ERROR: f64 = 1.0e-6;
-
-/// Time over which the Jacobian of a tangent keeps the state, s. Without an end the content of all
-/// elements would be free. Half and twice: no derivative changes by 1e-6.
-const TANGENT_TIME: f64 = 1.0e5;
-/// Change of the reacting force by which its effect is measured, N: a spring of [`RATIO_TIME`]'s
-/// ratio yields by 1e-6.
-const TANGENT_FORCE: f64 = 10.0;

@@ -13,7 +13,6 @@ use super::{
 };
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
-use crate::solver::arrow::Singular;
 use crate::solver::continuation::{ContinuationSettings, NotSteady, Trial, continue_to_steady, settle};
 use crate::solver::newton::Newton;
 use crate::solver::{State, View};
@@ -121,8 +120,7 @@ impl SteadySolver<'_> {
         };
         self.system.loads = Loads::Steady(control.boundary());
         if let Some(tangent) = &near.tangent {
-            tangent.correct(self.system, state, &task);
-            return Ok(());
+            return tangent.settle(self.system, state, &task);
         }
         settle(
             self.system,
@@ -366,18 +364,18 @@ fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
 }
 
 /// The tangent of steady states at this one of a task, which its ratio or, with `balance`, both
-/// clamping forces hold.
-///
-/// # Errors
-/// The Jacobian is singular.
+/// clamping forces hold; none where the Jacobian is singular. The state is solved more accurately
+/// before: an error of its ratio of 3e-7 is one of 1 % of small derivatives.
 pub fn tangent(
     system: &mut VariatorSystem,
-    state: &State,
+    state: &mut State,
     task: &SteadyTask,
     balance: bool,
-) -> Result<Tangent, Singular> {
+) -> Option<Tangent> {
     let task = SteadyTask { warm: true, ..*task };
     system.loads = Loads::Steady(Control::new(system, state, &task).boundary());
+    let first = Tangent::new(system, state, &task, balance)?;
+    first.settle(system, state, &task).ok()?;
     Tangent::new(system, state, &task, balance)
 }
 

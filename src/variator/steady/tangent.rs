@@ -1,18 +1,21 @@
 //! The tangent of steady states over parameters and loads, for their derivatives.
 //!
-//! A steady state x solves F(x, p) = 0 and g(x, p) = 0, where g is what the force λ of the reacting
-//! pulley holds: the ratio, or its own clamping force. So
+//! A steady state x solves F(x, λ, p) = 0 and g(x, p) = 0. λ is the force of the reacting pulley,
+//! and g what it holds: the ratio, or its own clamping force. Newton's method for both is a bordered
+//! system, solved by block elimination with the factors of one Jacobian:
 //!
-//!   ∂F/∂x dx + ∂F/∂λ dλ + ∂F/∂p dp = 0,   dg = 0
+//!   dx = −J⁻¹ F + dx/dλ dλ,   dx/dλ = −J⁻¹ ∂F/∂λ,   dλ = −g/(dg/dx dx/dλ)
 //!
-//! is a bordered system, solved by block elimination with the factors of one Jacobian. It is that of
-//! implicit Euler over [`TANGENT_TIME`], which keeps the total content of the elements.
+//! J is that of implicit Euler over [`STEADY_TIME`], which keeps the total content of the elements.
+//! With it states beside this one are solved in two or three corrections.
 
-use super::solve::{SteadyTask, geometric_ratio, unbalance};
-use super::{TANGENT_FORCE, TANGENT_TIME};
-use crate::solver::arrow::{Arrow, ArrowLu, Singular};
+use super::solve::{SteadyTask, geometric_ratio, reaction, unbalance};
+use super::{FEW_SOLVES, FORCE_ERROR, NEGLIGIBLE, STEADY_TIME};
+use crate::solver::arrow::{Arrow, ArrowLu};
+use crate::solver::continuation::NotSteady;
 use crate::solver::{State, System};
 use crate::variator::belt::Belt;
+use crate::variator::pulleys::loads::{Loads, SheaveMode};
 use crate::variator::system::VariatorSystem;
 
 /// Factors of the bordered Jacobian of a steady state.
@@ -28,17 +31,17 @@ pub struct Tangent {
 }
 
 impl Tangent {
-    /// At a steady state of a system under its loads.
+    /// At a steady state of a system under its loads; none where the Jacobian is singular.
     pub(super) fn new(
         system: &mut VariatorSystem,
         state: &State,
         task: &SteadyTask,
         balance: bool,
-    ) -> Result<Self, Singular> {
+    ) -> Option<Self> {
         let mut matrix = Arrow::new(system.shape());
-        system.jacobian(0.0, state.view(), 1.0 / TANGENT_TIME, TANGENT_TIME, &mut matrix);
+        system.jacobian(0.0, state.view(), 1.0 / STEADY_TIME, STEADY_TIME, &mut matrix);
         let mut factors = ArrowLu::new(system.shape());
-        factors.factor(&matrix)?;
+        factors.factor(&matrix).ok()?;
         let mut along = vec![0.0; state.y.len()];
         along[system.belt.layout.sheave(task.reaction)] = 1.0;
         factors.solve(&mut along);
@@ -48,23 +51,43 @@ impl Tangent {
             along,
             slope: 1.0,
         };
-        let [after, before] = [TANGENT_FORCE, -TANGENT_FORCE].map(|force| {
+        let step = FORCE_ERROR * reaction(system, state.view(), task.reaction).abs().max(1.0);
+        let [after, before] = [step, -step].map(|force| {
             let mut state = state.clone();
             advance(&system.belt, &mut state, &tangent.along, force);
             tangent.defect(system, &state, task)
         });
-        tangent.slope = (after - before) / (2.0 * TANGENT_FORCE);
-        Ok(tangent)
+        tangent.slope = (after - before) / (2.0 * step);
+        Some(tangent)
     }
 
-    /// Newton's correction of a state near by with the factors of this one.
-    pub(super) fn correct(&self, system: &mut VariatorSystem, state: &mut State, task: &SteadyTask) {
-        let mut step = vec![0.0; state.y.len()];
-        system.residual(0.0, state.view(), &mut step);
-        self.factors.clone().solve(&mut step);
-        advance(&system.belt, state, &step, -1.0);
-        let force = -self.defect(system, state, task) / self.slope;
-        advance(&system.belt, state, &self.along, force);
+    /// Solves for a steady state near by, until two corrections are negligible.
+    pub(super) fn settle(
+        &self,
+        system: &mut VariatorSystem,
+        state: &mut State,
+        task: &SteadyTask,
+    ) -> Result<(), NotSteady> {
+        let (mut factors, mut step) = (self.factors.clone(), vec![0.0; state.y.len()]);
+        let mut before = f64::INFINITY;
+        for _ in 0..FEW_SOLVES {
+            system.residual(0.0, state.view(), &mut step);
+            factors.solve(&mut step);
+            advance(&system.belt, state, &step, -1.0);
+            let defect = self.defect(system, state, task);
+            let force = -defect / self.slope;
+            advance(&system.belt, state, &self.along, force);
+            if let Loads::Steady(boundary) = &mut system.loads
+                && let SheaveMode::Ratio { force: holding, .. } = &mut boundary.sheave[task.reaction]
+            {
+                *holding += force;
+            }
+            if defect.abs().max(before) < NEGLIGIBLE {
+                return Ok(());
+            }
+            before = defect.abs();
+        }
+        Err(NotSteady::default())
     }
 
     /// g.
@@ -78,11 +101,11 @@ impl Tangent {
 }
 
 /// Moves a state by a multiple of a step of Newton's method. Its velocities are left out: they move
-/// the positions over [`TANGENT_TIME`].
+/// the positions over [`STEADY_TIME`].
 fn advance(belt: &Belt, state: &mut State, step: &[f64], factor: f64) {
     for (i, change) in step.iter().enumerate() {
         if belt.has_position[i] && i != belt.layout.drift() {
-            state.q[i] += factor * change * TANGENT_TIME;
+            state.q[i] += factor * change * STEADY_TIME;
         } else {
             state.y[i] += factor * change;
         }

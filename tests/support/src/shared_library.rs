@@ -67,6 +67,7 @@ type Status = c_int;
 
 pushbelt::fmi::fmi2_functions! { [functions] Functions:
     pushbeltLinearize(c: Component, frequency: f64, json: *mut *mut c_char) -> Status = ();
+    pushbeltGradient(c: Component, vr: *const u32, nvr: usize, json: *mut *mut c_char) -> Status = ();
     pushbeltResetNear(c: Component) -> Status = ();
     pushbeltFreeText(text: *mut c_char) = ();
 }
