@@ -8,9 +8,8 @@ use super::table;
 use super::variator_unit::UnitWith;
 use crate::fmi::table::{Access, Kind, Range, Variable};
 use crate::fmi::unit::Unit;
-use crate::variator::run::Variator;
+use crate::variator::run::SteadyTangent;
 use crate::variator::settings::{INPUTS, Readings};
-use crate::variator::steady::refine::Neighbour;
 
 /// Relative step of the central differences on the tangent. Half and twice: no derivative changes
 /// by 1e-4 of the largest of its output.
@@ -30,7 +29,7 @@ pub fn gradient<R: Rings>(
     settings: &Settings<R>,
     references: &[u32],
 ) -> Result<String, String> {
-    let near = unit.variator.tangent().ok_or(
+    let mut near = unit.variator.tangent().ok_or(
         "there is no gradient: it is that of a steady start before the first step, in which the belt does not slip through and no \
          sheave is at a stop",
     )?;
@@ -45,7 +44,7 @@ pub fn gradient<R: Rings>(
             format!("there is no gradient over {name}, which is not a real parameter or input")
         })?;
         variables.push(json!({"name": setting.name, "unit": setting.unit, "value": (setting.get)(settings)}));
-        slopes.push(setting.slopes(settings, &near, &columns)?);
+        slopes.push(setting.slopes(settings, &mut near, &columns)?);
     }
     let held = if unit.variator.balances() {
         "clamping forces"
@@ -103,7 +102,7 @@ impl<'a, R: Rings> Setting<'a, R> {
     fn slopes(
         &self,
         settings: &Settings<R>,
-        near: &Neighbour,
+        near: &mut SteadyTangent,
         columns: &[Column<'_>],
     ) -> Result<Vec<f64>, String> {
         let value = (self.get)(settings);
@@ -122,22 +121,18 @@ impl<'a, R: Rings> Setting<'a, R> {
         let least = self.range.min.unwrap_or(f64::NEG_INFINITY);
         let most = self.range.max.unwrap_or(f64::INFINITY);
         let low = (value - step).min(most - 2.0 * step).max(least);
-        let outputs = |value: f64| -> Result<Vec<f64>, String> {
+        let mut outputs = |value: f64| -> Result<Vec<f64>, String> {
             let mut settings = settings.clone();
             (self.set)(&mut settings, value);
-            let failed =
-                |why: &dyn std::fmt::Display| format!("there is no gradient over {}: {why}", self.name);
-            let ring = settings.own.ring(&settings.parameters).map_err(|why| failed(&why))?;
-            let mut variator = Variator::with_ring(settings.parameters, ring).map_err(|why| failed(&why))?;
-            variator.start_along(near.clone());
-            variator.initialise(0.0, &settings.inputs).map_err(|why| failed(&why))?;
-            if variator.start_work().factorizations > 0 {
-                return Err(failed(&"the steady states beside it are on another branch"));
-            }
-            let outputs = variator.outputs();
-            Ok(columns.iter().map(|(_, _, get)| get(outputs)).collect())
+            UnitWith::check(&settings)?;
+            let ring = settings.own.ring(&settings.parameters);
+            let ring = ring.map_err(|error| error.to_string())?;
+            let outputs = near.outputs(&settings.parameters, ring, &settings.inputs);
+            let outputs = outputs.ok_or("the steady states beside this one are on another branch")?;
+            Ok(columns.iter().map(|(_, _, get)| get(&outputs)).collect())
         };
-        let (below, above) = (outputs(low)?, outputs(low + 2.0 * step)?);
+        let pair = outputs(low).and_then(|below| Ok((below, outputs(low + 2.0 * step)?)));
+        let (below, above) = pair.map_err(|why| format!("there is no gradient over {}: {why}", self.name))?;
         Ok(above
             .iter()
             .zip(below)

@@ -4,10 +4,10 @@ use crate::importer::Handles;
 use crate::variator::{Importer, real_outputs};
 use pushbelt::fmi::Version::Two;
 use pushbelt::fmi::log::Status::{self, Error, Ok, Warning};
-use pushbelt_library::extensions::{pushbeltFreeText, pushbeltLinearize};
+use pushbelt_library::extensions::{pushbeltFreeText, pushbeltGradient, pushbeltLinearize};
 use serde_json::Value;
 use std::ffi::CStr;
-use std::ptr::null_mut;
+use std::ptr::{null, null_mut};
 
 fn text(importer: &Importer, frequency: f64) -> (Status, Option<String>) {
     // Not null before, so that an unchanged pointer is detected.
@@ -151,6 +151,13 @@ fn a_call_without_a_model_logs_the_reason_and_the_run_continues() {
         let mut text = c"before".as_ptr().cast_mut();
         assert_eq!(pushbeltLinearize(null_mut(), 50.0, &mut text), Error);
         assert!(text.is_null());
+        let none = u32::MAX;
+        for (references, count, part) in [(null(), 1, "null"), (&raw const none, 1, "value reference")] {
+            assert_eq!(pushbeltGradient(warm.c, references, count, &raw mut text), Error);
+            warm.assert_logged(part);
+        }
+        assert_eq!(pushbeltGradient(warm.c, null(), 0, &raw mut text), Ok);
+        pushbeltFreeText(text);
         pushbeltFreeText(null_mut());
     }
     warm.advance(0.0, 1e-3);

@@ -17,7 +17,7 @@ from pushbelt import console, provenance
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
 
-from . import report, results
+from . import bands, report, results
 from .bench import Plan
 from .runs import SECTIONS, run_all
 
@@ -34,6 +34,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--output", type=Path, required=True, help="folder for report.html, results.json, tables.md and the CSV files")
     found.add_argument("--short", action="store_true", help="solve few points of each section")
     found.add_argument("--section", action="append", choices=SECTIONS, help="run only this section; can be repeated")
+    found.add_argument("--bands", action="store_true", help="whether missed measurements are met within the band of the parameters, in ten minutes")
     found.add_argument("--pin", action="store_true", help=f"renew {results.PINNED.name}, the page {results.PAGE.name} of the book, and the numbers of goals in other pages")
     return found
 
@@ -41,16 +42,19 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None) -> int:
     """Solves, writes report, tables and verdicts, and prints what is missed."""
     options = parser().parse_args(arguments)
+    options.bands |= options.pin
     if options.pin and (options.short or options.section):
         parser().error("--pin is for all sections with all points")
     provenance.begin("validate", arguments, "pushbelt_validation")
     begin = time.perf_counter()
     try:
-        run = run_all(options.fmu, Plan(options.short), tuple(options.section or SECTIONS))
+        plan = Plan(options.short)
+        run = run_all(options.fmu, plan, tuple(options.section or SECTIONS))
+        misses = bands.deviations_of_misses(options.fmu, plan) if options.bands else None
     except (UnitError, InputFileError, OSError) as error:
         print(f"The validation failed: {error}", file=sys.stderr)
         return 1
-    found = report.write(run, options.output)
+    found = report.write(run, options.output, misses)
     for check in found["checks"]:
         if check["verdict"] == "missed":
             print(f"  missed, {check['part']}: {check['statement']}: {check['found']} ({check['goal']}); {check['by']}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +22,10 @@ def summary(section: Section) -> dict[str, Any]:
     return {**found, "key": section.key, "title": section.title, "part": section.part.value, "verdict": verdict.value, "used": used}
 
 
-def write(results: Results, folder: Path) -> dict[str, Any]:
+def write(results: Results, folder: Path, misses: Mapping[str, float] | None = None) -> dict[str, Any]:
     """Writes report.html, results.json, tables.md and a CSV file for each table into a folder; returns the document."""
     folder.mkdir(parents=True, exist_ok=True)
-    found = documents.document(results)
+    found = documents.document(results, misses)
     documents.write(folder / "results.json", found)
     for one in (one for section in results.sections for one in section.tables):
         tables.write(folder / f"{one.key}.csv", one.titles, one.rows)

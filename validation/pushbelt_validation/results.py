@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from . import bands
 from .measured import cause
 from .outcome import Check, Part, Section, Verdict
 from .runs import Results
@@ -20,14 +21,14 @@ PINNED = ROOT / "validation" / "results.json"
 PAGE = ROOT / "docs" / "validation-results.md"
 
 
-def document(results: Results) -> dict[str, Any]:
-    """Everything that the book and the pins need."""
+def document(results: Results, misses: Mapping[str, float] | None = None) -> dict[str, Any]:
+    """Everything that the book and the pins need. `misses` are the standard deviations of `bands`."""
     steps = next((s for s in results.sections if s.part is Part.STEPS), None)
     return {
         "version": results.version,
         **{part.value: counts(results.sections, part) for part in PARTS},
         "score": round(sum(check.miss for section in results.sections if section.part is Part.MEASUREMENTS for check in section.checks), 2),
-        "checks": [_check(section, check) for section in results.sections for check in section.checks],
+        "checks": [_check(section, check, (misses or {}).get(check.key)) for section in results.sections for check in section.checks],
         "steps": None if steps is None else {
             "told": steps.lead,
             "columns": [column.name for column in steps.tables[0].columns],
@@ -50,7 +51,7 @@ def sentence(found: Mapping[str, Any]) -> str:
     return f"{told}, misses sum to {found['score']:.1f} tolerances"
 
 
-def _check(section: Section, check: Check) -> dict[str, Any]:
+def _check(section: Section, check: Check, deviation: float | None) -> dict[str, Any]:
     found = {
         "part": section.part.value, "section": section.title, "key": check.key, "statement": check.statement, "goal": check.goal,
         "found": check.found, "verdict": check.verdict.value, "source": check.source.text, "certainty": check.source.certainty,
@@ -58,6 +59,7 @@ def _check(section: Section, check: Check) -> dict[str, Any]:
     if check.verdict is Verdict.MISSED:
         reason, decides = cause(check.key)
         found |= {"by": check.by, "miss": round(check.miss, 2), "cause": reason, "decides": decides}
+        found["withinBand"] = bands.verdict(check.used, deviation)
     return found
 
 
@@ -132,10 +134,14 @@ def page(found: Mapping[str, Any]) -> str:
         "Causes of the missed goals, as far as they are known:\n",
         numbered(f"**{c['statement']}**: {c['cause']}." for c in of["single elements"] if c["verdict"] == "missed"),
         "## Measurements: missed goals\n",
-        "The list below the table has the cause of each miss, as far as it is known, and the measurement on a rig that would decide it.\n",
+        "The list below the table has the cause of each miss, as far as it is known, and the measurement on a rig that would decide it. The last "
+        "column: whether the goal is met within the 95 % band of the default belt, by the known deviations of its parameters.\n",
         rows(
-            ("", "goal", "allowed", "found", "values that miss", "worst value", "miss, tolerances"),
-            [[k, c["statement"], c["goal"], c["found"].split(", ")[0], *outside(c), f"{c['miss']:.2f}"] for k, c in enumerate(missed, 1)],
+            ("", "goal", "allowed", "found", "values that miss", "worst value", "miss, tolerances", "met within the band"),
+            [
+                [k, c["statement"], c["goal"], c["found"].split(", ")[0], *outside(c), f"{c['miss']:.2f}", c["withinBand"]]
+                for k, c in enumerate(missed, 1)
+            ],
         ),
         numbered(f"{capital(c['cause'])}. Measurement: {c['decides']}." for c in missed),
         "## Measurements: met goals and reported values\n",

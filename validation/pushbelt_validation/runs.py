@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
@@ -41,8 +42,8 @@ class Results:
     short: bool
 
 
-def _run(archive: Archive, name: str, plan: Plan, expected: int) -> Section:
-    """One section, in a worker."""
+def run_section(archive: Archive, name: str, plan: Plan, expected: int, changed: Mapping[str, float]) -> Section:
+    """One section, in a worker, with some parameters of the variator changed."""
     done = 0
 
     def solved() -> None:
@@ -51,7 +52,7 @@ def _run(archive: Archive, name: str, plan: Plan, expected: int) -> Section:
         if done <= expected:
             tick(1.0)
 
-    with Bench(archive, solved=solved) as bench:
+    with Bench(archive, solved=solved, changed=changed) as bench:
         found = SECTIONS[name][0].run(bench, plan)
         failures = tuple(bench.failures)
     tick(max(expected - done, 0))
@@ -63,6 +64,6 @@ def run_all(fmu: Path, plan: Plan, names: tuple[str, ...] = tuple(SECTIONS)) -> 
     points = {name: SECTIONS[name][2 if plan.short else 1] for name in names}
     order = sorted(names, key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
     with Archive.unpack(fmu) as archive:
-        calls = [(_run, (archive, name, plan, points[name])) for name in order]
+        calls = [(run_section, (archive, name, plan, points[name], {})) for name in order]
         found = dict(zip(order, side_by_side.run_all(calls, sum(points.values()), "points of the FMU"), strict=True))
         return Results(archive.version, tuple(found[name] for name in SECTIONS if name in found), plan.short)

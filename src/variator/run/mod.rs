@@ -15,5 +15,6 @@ pub(crate) mod variator;
 pub use crate::fmi::unit::Message;
 pub use crate::variator::pulleys::loads::InputProfile;
 pub use outcome::{Event, InitialisationError, Moment, StepError, TimeError};
+pub use steady_start::SteadyTangent;
 pub use stepper::CommunicationStep;
 pub use variator::Variator;

@@ -9,15 +9,16 @@ use super::tuning::{
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::NotSteady;
 use crate::solver::newton::{Newton, WorkBound};
-use crate::variator::diagnostics::belt::NO_FORCE;
-use crate::variator::pulleys::loads::{Boundary, ShaftMode};
+use crate::variator::belt::ring::BeltRing;
+use crate::variator::diagnostics::belt::{BeltDiagnostics, NO_FORCE};
+use crate::variator::diagnostics::observe::Observer;
+use crate::variator::pulleys::loads::{Boundary, InputProfile, ShaftMode};
 use crate::variator::settings::capacity::{TorqueDemand, excessive_speed};
-use crate::variator::settings::{Axial, Drive, StartState};
+use crate::variator::settings::{Axial, Drive, Inputs, Outputs, Parameters, StartState};
 use crate::variator::steady::FORCE_ERROR;
 use crate::variator::steady::refine::Neighbour;
-use crate::variator::steady::solve::{
-    SteadySolver, SteadyTask, geometric_ratio, reaction, tangent, unbalance,
-};
+use crate::variator::steady::solve::{SteadySolver, SteadyTask, geometric_ratio, reaction, unbalance};
+use crate::variator::steady::tangent::Tangent;
 use std::sync::Arc;
 
 /// Why there is no steady state to start from.
@@ -29,6 +30,39 @@ pub(super) enum NoSteadyState {
     /// None was found, for this reason.
     #[error("{0}")]
     NotFound(String),
+}
+
+/// A steady start and its tangent, for derivatives over parameters and inputs.
+#[derive(Debug)]
+pub struct SteadyTangent {
+    near: Neighbour,
+    tangent: Tangent,
+}
+
+impl SteadyTangent {
+    /// Outputs of the steady start with valid parameters and inputs that differ by some millionths;
+    /// none if they differ too much.
+    #[must_use]
+    pub fn outputs(
+        &mut self,
+        parameters: &Parameters,
+        ring: Arc<dyn BeltRing>,
+        inputs: &Inputs,
+    ) -> Option<Outputs> {
+        let mut of = Simulation::new(parameters, ring);
+        of.given = *inputs;
+        of.state = of.cold_state(&of.wanted_start()).ok()?;
+        let task = of.steady_task(of.clamped().other(), 1.0);
+        if !self.near.move_to(&of.system.belt, &mut of.state, &task) {
+            return None;
+        }
+        self.tangent.settle(&mut of.system, &mut of.state, &task).ok()?;
+        of.restore(InputProfile::constant(inputs));
+        let (view, mut outputs) = (of.state.view(), Outputs::default());
+        let belt = BeltDiagnostics::new(&of.system, view);
+        Observer::default().observe(&of.system, 0.0, view, &belt, &mut outputs);
+        Some(outputs)
+    }
 }
 
 impl Simulation {
@@ -217,21 +251,20 @@ impl Simulation {
             belt: self.system.belt.clone(),
             kinematic: self.cold_state(&self.wanted_start()).ok()?,
             state: self.state.clone(),
-            tangent: None,
         })
     }
 
-    /// The same with the tangent of steady states there; none where the Jacobian is singular or the
-    /// forces press a sheave against its stop.
-    pub fn tangent(&self) -> Option<Neighbour> {
+    /// The same with its tangent; none where the Jacobian is singular or the forces press a sheave
+    /// against its stop.
+    pub fn tangent(&self) -> Option<SteadyTangent> {
         let (mut system, balance) = (self.system.clone(), self.balances());
         let task = self.steady_task(self.clamped().other(), 1.0);
         if balance && unbalance(&system, &self.state, &task).abs() > FORCE_ERROR {
             return None;
         }
         let mut near = self.neighbour()?;
-        near.tangent = Some(Arc::new(tangent(&mut system, &mut near.state, &task, balance)?));
-        Some(near)
+        let tangent = Tangent::new(&mut system, &mut near.state, &task, balance)?;
+        Some(SteadyTangent { near, tangent })
     }
 
     fn solve(&mut self, newton: &mut Newton, task: &SteadyTask) -> Result<(), NotSteady> {

@@ -4,6 +4,7 @@ use super::outcome::{Event, InitialisationError, Moment, TimeError};
 use super::plausibility::PlausibilityWarnings;
 use super::real_time_monitor::RealTimeMonitor;
 use super::simulation::Simulation;
+use super::steady_start::SteadyTangent;
 use super::stepper::Stepper;
 use super::tuning::{COLD_STEP, FIRST_STEP, MOMENT, REPEATED};
 use crate::archive::Archive;
@@ -18,7 +19,6 @@ use crate::variator::pulleys::loads::InputProfile;
 use crate::variator::settings::{
     Inputs, Outputs, ParameterError, Parameters, Profile, Readings, StartState, Work,
 };
-use crate::variator::steady::refine::Neighbour;
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
 
@@ -108,20 +108,14 @@ impl Variator {
         self.simulation.near = starts.then(|| other.simulation.neighbour()).flatten();
     }
 
-    /// The steady state from which the run starts, with its tangent, for [`Variator::start_along`].
-    /// None where there is no tangent: it is not the start of a run, the start is not a steady state
-    /// at these loads, or the belt slips through or is pressed against a stop.
+    /// The steady state from which the run starts, with its tangent. None where there is none: it is
+    /// not the start of a run, the start is not a steady state at these loads, or the belt slips
+    /// through or is pressed against a stop.
     #[must_use]
-    pub fn tangent(&self) -> Option<Neighbour> {
+    pub fn tangent(&self) -> Option<SteadyTangent> {
         let starts = self.start_state == StartState::Steady && self.counts().steps == 0;
         let grips = !self.macro_slip && !self.simulation.energy.last.sums.past_peak();
         (starts && grips).then(|| self.simulation.tangent()).flatten()
-    }
-
-    /// Takes the next start on the tangent, for derivatives over parameters and inputs that differ
-    /// by a millionth.
-    pub fn start_along(&mut self, tangent: Neighbour) {
-        self.simulation.near = Some(tangent);
     }
 
     /// Whether the start is in equilibrium of both clamping forces, and not at a held ratio.

@@ -4,13 +4,15 @@
 //! A mesh with half the elements and one cell in each gives nearly the same result, and its
 //! Jacobian costs a quarter.
 
-use super::tangent::Tangent;
+use super::solve::SteadyTask;
 use super::{FEWEST_ON_ARC, FEWEST_ON_STRAND};
+use crate::pulley::Pulley;
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
 use crate::solver::State;
 use crate::variator::belt::Belt;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
+use crate::variator::pulleys::loads::ShaftMode;
 use crate::variator::settings::{Mesh, Parameters};
 use std::sync::Arc;
 
@@ -74,20 +76,17 @@ pub struct Neighbour {
     pub kinematic: State,
     /// The steady state.
     pub state: State,
-    /// With it, others are taken on the tangent, for derivatives; else they are solved for.
-    pub tangent: Option<Arc<Tangent>>,
 }
 
 impl Neighbour {
     /// Moves the kinematic state of another belt near its steady one: the difference between the
-    /// kinematic states is added. Returns whether it can; the belts may differ in parameters and in
-    /// the number of elements.
-    pub fn move_to(&self, belt: &Belt, state: &mut State) -> bool {
+    /// kinematic states is added, and speeds that the task gives are kept. Returns whether it can;
+    /// the belts may differ in parameters and in the number of elements.
+    pub fn move_to(&self, belt: &Belt, state: &mut State, task: &SteadyTask) -> bool {
         let Self {
             belt: of,
             kinematic,
             state: from,
-            ..
         } = self;
         let [here, there] =
             [belt, of].map(|belt| (belt.ring.name(), belt.layout.components, belt.law.is_pull_chain()));
@@ -104,6 +103,12 @@ impl Neighbour {
         let faster = other.y[belt.layout.drift()] / kinematic.y[of.layout.drift()];
         for cell in 0..belt.mesh.cells.len() {
             state.y[belt.layout.belt_speed(cell)] *= faster;
+        }
+        for pulley in Pulley::BOTH {
+            if task.shaft[pulley] == ShaftMode::Fixed {
+                let speed = belt.layout.shaft_speed(pulley);
+                state.y[speed] = other.y[speed];
+            }
         }
         true
     }

@@ -6,7 +6,6 @@
 
 use super::refine::{Neighbour, coarser, prolong};
 use super::start::{Start, kinematic_state};
-use super::tangent::Tangent;
 use super::{
     FEW_SOLVES, FIRM, FIRST_PSEUDO_STEP, FORCE_ERROR, HOMOTOPY_STEP, HOMOTOPY_VELOCITY, MOST_SOLVES,
     NEGLIGIBLE, RATIO_TIME, RUN_AWAY, STEADY_TIME, VELOCITY_REDUCTION,
@@ -103,15 +102,8 @@ impl SteadySolver<'_> {
         task: &SteadyTask,
         near: &Neighbour,
     ) -> Result<(), NotSteady> {
-        let belt = &*self.system.belt;
-        let given = belt.shaft_speeds(state.view());
-        if !near.move_to(belt, state) {
+        if !near.move_to(&self.system.belt, state, task) {
             return Err(NotSteady::default());
-        }
-        for pulley in Pulley::BOTH {
-            if task.shaft[pulley] == ShaftMode::Fixed {
-                state.y[belt.layout.shaft_speed(pulley)] = given[pulley];
-            }
         }
         let task = SteadyTask { warm: true, ..*task };
         let mut control = Control {
@@ -119,9 +111,6 @@ impl SteadySolver<'_> {
             ..Control::new(self.system, state, &task)
         };
         self.system.loads = Loads::Steady(control.boundary());
-        if let Some(tangent) = &near.tangent {
-            return tangent.settle(self.system, state, &task);
-        }
         settle(
             self.system,
             self.newton,
@@ -363,20 +352,10 @@ fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
     slip(trial.after) > RUN_AWAY.max(slip(trial.before))
 }
 
-/// The tangent of steady states at this one of a task, which its ratio or, with `balance`, both
-/// clamping forces hold; none where the Jacobian is singular. The state is solved more accurately
-/// before: an error of its ratio of 3e-7 is one of 1 % of small derivatives.
-pub fn tangent(
-    system: &mut VariatorSystem,
-    state: &mut State,
-    task: &SteadyTask,
-    balance: bool,
-) -> Option<Tangent> {
+/// Applies the loads that hold a steady state of a task.
+pub(super) fn hold(system: &mut VariatorSystem, state: &State, task: &SteadyTask) {
     let task = SteadyTask { warm: true, ..*task };
     system.loads = Loads::Steady(Control::new(system, state, &task).boundary());
-    let first = Tangent::new(system, state, &task, balance)?;
-    first.settle(system, state, &task).ok()?;
-    Tangent::new(system, state, &task, balance)
 }
 
 /// ln of the task's clamping force on its reacting pulley over the force that holds this state.
