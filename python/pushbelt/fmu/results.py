@@ -86,14 +86,17 @@ class Bands:
     outputs: Mapping[str, float]
     deviations: Mapping[str, float]  # Standard deviations of parameters, and of conditions of the state
     chords: Mapping[str, Array]  # For each output half of its difference between plus and minus one deviation, for each of these
+    spread: Mapping[str, float]  # Standard deviation of each output
+    lost: float  # Share of samples without a steady state; NaN without samples
 
     def __getitem__(self, name: str) -> float:
         """Standard deviation of an output."""
-        return float(np.linalg.norm(item(self.chords, name, "state")))
+        return float(item(self.spread, name, "state"))
 
     def largest(self, name: str, count: int = 3) -> dict[str, float]:
         """Parameters with the largest shares of the variance of an output, and these shares."""
-        shares = item(self.chords, name, "state") ** 2 / (self[name] ** 2 or 1.0)
+        shares = item(self.chords, name, "state") ** 2
+        shares = shares / (shares.sum() or 1.0)
         names = list(self.deviations)
         return {names[k]: float(shares[k]) for k in np.argsort(-shares)[:count]}
 
