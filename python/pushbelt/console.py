@@ -7,12 +7,13 @@ import io
 import signal
 import sys
 import threading
+from argparse import ArgumentParser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple, NoReturn
 
 from . import provenance
-from .errors import PushbeltError
+from .errors import ArgumentError, PushbeltError
 
 INTERRUPTED, TERMINATED = 130, 143  # Exit codes after Ctrl-C and SIGTERM
 
@@ -21,13 +22,36 @@ class Terminated(KeyboardInterrupt):
     """SIGTERM, as `kill` and batch systems send it. Like Ctrl-C, it ends the workers of a program."""
 
 
-def run(main: Callable[[], int | None]) -> int:
+class Done(NamedTuple):
+    """The end of a program: its exit code, and what it returns to Python."""
+
+    code: int
+    result: Any
+
+
+class CommandLineError(ArgumentError):
+    """A wrong word of a command line."""
+
+    def __init__(self, message: str, parser: ArgumentParser) -> None:
+        super().__init__(message)
+        self.parser = parser
+
+
+class Parser(ArgumentParser):
+    """A parser that raises CommandLineError."""
+
+    def error(self, message: str) -> NoReturn:
+        raise CommandLineError(message, self)
+
+
+def run(main: Callable[[], int | Done | None]) -> int:
     """Runs a program and returns its exit code. Characters that the encoding of the output lacks become question marks."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")
     try:
         with _handled(signal.SIGTERM, _terminate):
-            return main() or 0
+            found = main()
+            return found.code if isinstance(found, Done) else found or 0
     except Terminated:
         print("terminated", file=sys.stderr)
         return TERMINATED
@@ -40,16 +64,18 @@ def _terminate(*_: object) -> None:
     raise Terminated("ended by the signal SIGTERM")
 
 
-def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
+def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None], int | Done]], Callable[..., int]]:
     """The main function of a program, with the words of its command line, which its reports name. Its errors are one line
     each; packages that are missing are those of an extra."""
 
-    def made(main: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
+    def made(main: Callable[[Sequence[str] | None], int | Done]) -> Callable[..., int]:
         @functools.wraps(main)
         def started(arguments: Sequence[str] | None = None) -> int:
             try:
                 provenance.begin(name, arguments)
                 return run(lambda: main(arguments))
+            except CommandLineError as error:
+                ArgumentParser.error(error.parser, str(error))
             except (OSError, PushbeltError) as error:
                 said = f"{name}: {error}"
             except ModuleNotFoundError as error:

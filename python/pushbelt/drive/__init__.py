@@ -7,3 +7,9 @@ Data flow in each step of 10 ms:
 
 `measure` first solves for the FMU's steady states. `simulate` runs the loop, and `report` presents the results.
 """
+
+import sys
+
+from pushbelt.calls import Program
+
+sys.modules[__name__].__class__ = Program

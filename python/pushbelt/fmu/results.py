@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import importlib.util
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arguments import checks, text, whole
 from ..errors import UnknownNameError, package, similar
 from .geometry import Array
 
@@ -25,6 +28,20 @@ def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") 
     if not isinstance(name, str) or name not in values:
         raise UnknownNameError(f"the {what} has no {kind} {name}{similar(name, values)}")
     return values[name]
+
+
+def drawn(table: pandas.DataFrame, names: Sequence[str], options: Mapping[str, Any]) -> Any:
+    """Axes of matplotlib with columns of a table over its index, by default all of them, each in axes of its own. Raises UnknownNameError
+    for another name."""
+    package("matplotlib", "figures need matplotlib", "plots")
+    for name in names:
+        item(table, name, "table", "column")
+    return table[list(names) or table.columns].plot(**{"subplots": True, **options})
+
+
+def in_notebook(thing: object, table: Callable[[], pandas.DataFrame]) -> str | None:
+    """What a notebook shows of an object: its line, and a table if pandas is installed."""
+    return f"<p>{escape(repr(thing))}</p>{table().to_html()}" if importlib.util.find_spec("pandas") else None
 
 
 @dataclass(frozen=True, repr=False)
@@ -50,6 +67,11 @@ class Profile:
         """A table with a row for each place and a column for each field. Needs `pushbelt[maps]`."""
         return dataframe({field.name: getattr(self, field.name) for field in fields(self)})
 
+    def plot(self, *names: str, **options: Any) -> Any:
+        """Draws fields over the position, by default all; `options` are those of `pandas.DataFrame.plot`. Returns axes of matplotlib. Needs
+        `pushbelt[plots]`."""
+        return drawn(self.to_dataframe().set_index("position"), names, options)
+
 
 @dataclass(frozen=True, repr=False)
 class BeltState:
@@ -71,6 +93,13 @@ class BeltState:
         """A table with one row and a column for each output. Needs `pushbelt[maps]`."""
         return dataframe([self.outputs])
 
+    def plot(self, *names: str, **options: Any) -> Any:
+        """Draws the fields along the belt, as `Profile.plot`. Needs `pushbelt[plots]`."""
+        return self.profile.plot(*names, **options)
+
+    def _repr_html_(self) -> str | None:
+        return in_notebook(self, lambda: dataframe({"value": self.outputs}))
+
 
 @dataclass(frozen=True, repr=False)
 class SteadyState(BeltState):
@@ -91,6 +120,7 @@ class Bands:
         """Standard deviation of an output."""
         return float(np.linalg.norm(item(self.chords, name, "state")))
 
+    @checks(name=text, count=whole)
     def largest(self, name: str, count: int = 3) -> dict[str, float]:
         """Parameters with the largest shares of the variance of an output, and these shares."""
         shares = item(self.chords, name, "state") ** 2 / (self[name] ** 2 or 1.0)
@@ -105,6 +135,9 @@ class Bands:
         """A row for each output: its value, its standard deviation, and the chord of each parameter. Needs `pushbelt[maps]`."""
         rows = {name: [self.outputs[name], self[name], *chords] for name, chords in self.chords.items()}
         return dataframe(rows).T.set_axis(["value", "deviation", *self.deviations], axis="columns")
+
+    def _repr_html_(self) -> str | None:
+        return in_notebook(self, self.to_dataframe)
 
 
 @dataclass(frozen=True)
@@ -142,11 +175,15 @@ class Trace:
         return {name: float(np.interp(time, self.time, values)) for name, values in self.columns.items()}
 
     def __repr__(self) -> str:
-        return f"<Trace: {len(self.time)} times, {self.time[0]:.4g} to {self.time[-1]:.4g} s; {len(self.columns)} variables>"
+        return f"<{type(self).__name__}: {len(self.time)} times, {self.time[0]:.4g} to {self.time[-1]:.4g} s; {len(self.columns)} variables>"
 
     def to_dataframe(self) -> pandas.DataFrame:
         """A table over `time` (s) with a column for each variable. Needs `pushbelt[maps]`."""
         return dataframe({"time": self.time, **self.columns}).set_index("time")
+
+    def plot(self, *names: str, **options: Any) -> Any:
+        """Draws variables over the time, by default all. Needs `pushbelt[plots]`."""
+        return drawn(self.to_dataframe(), names, options)
 
 
 def intervals(time: Array, flag: Array, gap: float = 0.0) -> list[tuple[float, float]]:

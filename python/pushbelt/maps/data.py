@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 from zipfile import BadZipFile
 from zlib import error
 
@@ -23,6 +23,9 @@ from ..arguments import path as a_path
 from ..errors import PushbeltError, package
 from ..fmu.geometry import Array
 from ..fmu.results import item
+
+if TYPE_CHECKING:
+    import xarray
 
 VERSION = 1  # Version of the files' content
 STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
@@ -135,6 +138,22 @@ class Maps:
         if self[name].shape[: len(POINT)] != self.valid.shape:
             raise MapError(f"the table {name} is not over the points")
         return np.where(self.valid, self[name], np.nan)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The tables as an xarray data set with `units` and `long_name`. Needs `pushbelt[maps]`."""
+        dataset = package("xarray", "to_xarray needs xarray", "maps").Dataset
+        kinds: Mapping[str, Axis | Quantity] = {**AXES, **TABLES}
+        about = {name: {"units": one.unit, "long_name": one.description} for name, one in kinds.items()}
+        tables = {name: (one.axes, self[name], about[name]) for name, one in TABLES.items()}
+        return dataset(tables, {name: (name, values, about[name]) for name, values in self.axes.items()}, self.source)
+
+    @checks(name=text)
+    def plot(self, name: str = "thrustRatio", **options: Any) -> Any:
+        """Draws a table over the points with the axes of `options`, by default over ratio and utilisation for each force and speed. Needs
+        `pushbelt[plots]`."""
+        package("matplotlib", "figures need matplotlib", "plots")
+        values = self.to_xarray()[name].copy(data=self.masked(name))
+        return values.plot(**{"x": "utilisation", "y": "ratio", "row": "force", "col": "speed", **options})
 
     @cached_property
     def identity(self) -> str:
