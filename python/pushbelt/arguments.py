@@ -112,11 +112,6 @@ def mapping(name: str, value: Any) -> Mapping[str, Any]:
     return value
 
 
-def settings(name: str, value: Any) -> Mapping[str, Any] | str:
-    """A mapping from names to values, or the name of one value."""
-    return value if isinstance(value, str) else mapping(name, value)
-
-
 def lists(name: str, value: Any) -> Mapping[str, Any]:
     """A mapping from names to lists of values."""
     for key, values in mapping(name, value).items():

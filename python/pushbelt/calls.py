@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import inspect
-import os
-from collections.abc import Iterable, Mapping
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from inspect import Parameter, Signature, signature, unwrap
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from . import console, provenance
 from .arguments import checks
-from .fmu.results import item
+from .errors import ArgumentError
 
 
 class Program(ModuleType):
@@ -23,48 +23,58 @@ class Program(ModuleType):
     pandas.DataFrame. A program that starts processes needs the guard `if __name__ == "__main__":` around its call.
     """
 
-    @property
-    def __signature__(self) -> inspect.Signature:
-        kinds = {True: inspect.Parameter.KEYWORD_ONLY, False: inspect.Parameter.POSITIONAL_OR_KEYWORD}
-        arguments = [inspect.Parameter(name, kinds[bool(one.option_strings)], default=one.default) for name, one in self._arguments().items()]
-        return inspect.Signature(sorted(arguments, key=lambda one: one.kind))
+    __signature__ = property(lambda self: signature(self._function))
 
-    def _arguments(self) -> dict[str, argparse.Action]:
-        return {one.dest: one for one in importlib.import_module(f"{self.__name__}.__main__").parser()._actions if one.dest != "help"}
-
-    @checks()
     def __call__(self, *given: Any, **options: Any) -> Any:
-        known, name = self._arguments(), self.__name__.rpartition(".")[2]
-        places = [one for one, action in known.items() if not action.option_strings]
-        options |= dict(zip(places, given, strict=False))
-        if len(given) > len(places):
-            raise console.ArgumentError(f"{name} takes {len(places)} arguments without a name: the others are {', '.join(known)}")
-        folder = Path(options.get("output") or known["output"].default)
-        words = [word for one, value in options.items() for word in _words(item(known, one, "program", "argument"), value, folder)]
-        provenance.begin(name, words)
-        found = inspect.unwrap(importlib.import_module(f"{self.__name__}.__main__").main)(words)
-        return found.result if isinstance(found, console.Done) else None
+        return self._function(*given, **options)
+
+    @property
+    def _function(self) -> Callable[..., Any]:
+        program = importlib.import_module(f"{self.__name__}.__main__")
+        parser, name = program.parser(), self.__name__.rpartition(".")[2]
+        known = {one.dest: one for one in parser._actions if one.dest != "help"}
+        kinds = {False: Parameter.POSITIONAL_OR_KEYWORD, True: Parameter.KEYWORD_ONLY}
+        places = [Parameter(key, kinds[bool(one.option_strings)], default=one.default) for key, one in known.items()]
+
+        def refuse(message: str) -> None:
+            raise ArgumentError(f"{name}: {message}")
+
+        def call(*given: Any, **options: Any) -> Any:
+            values = dict(zip(signature(call).parameters, given, strict=False)) | options
+            folder = Path(options.get("output", known["output"].default))
+            words = [word for key, value in values.items() for word in _words(known[key], value, folder)]
+            parser.parse_args(words)
+            provenance.begin(name, words)
+            found = unwrap(program.main)(words)
+            return found.result if isinstance(found, console.Done) else None
+
+        call.__qualname__, parser.error = name, refuse
+        call.__signature__ = Signature(sorted(places, key=lambda one: one.kind))  # type: ignore[attr-defined]
+        return checks()(call)
+
+
+def callable_module(name: str) -> None:
+    """Lets a package of a program be called."""
+    sys.modules[name].__class__ = Program
 
 
 def _words(action: argparse.Action, value: Any, folder: Path) -> list[str]:
     """The words of an argument on the command line. A table is written to the folder of the results."""
-    option, metavar = next(iter(action.option_strings), ""), str(action.metavar)
+    option = next(iter(action.option_strings), "")
     if value is None or isinstance(value, bool):
         return [option] if value else []
     if hasattr(value, "to_csv"):
         folder.mkdir(parents=True, exist_ok=True)
         value.to_csv(path := folder / f"{action.dest}.csv", index=False)
         value = path
-    values = value
     if isinstance(value, Mapping):
-        pair = "±" if "±" in metavar else ":"
-        values = [name if one is None else f"{name}={_text(one, pair)}" for name, one in value.items()]
-    if isinstance(values, str) or not isinstance(action, argparse._AppendAction):
-        values = [_text(values)]
-    return [f"{option}={text}" if option else text for text in values]
+        pair = "±" if "±" in str(action.metavar) else ":"
+        value = [name if one is None else f"{name}={_text(one, pair)}" for name, one in value.items()]
+    repeated = isinstance(action, argparse._AppendAction) and isinstance(value, list)
+    return [f"{option}={text}" if option else text for text in (value if repeated else [_text(value)])]
 
 
 def _text(value: Any, pair: str = ",") -> str:
-    if isinstance(value, str | os.PathLike) or not isinstance(value, Iterable):
+    if isinstance(value, str) or not isinstance(value, Iterable):
         return str(value)
     return (pair if isinstance(value, tuple) and len(value) == 2 else ",").join(map(str, value))

@@ -7,13 +7,12 @@ import io
 import signal
 import sys
 import threading
-from argparse import ArgumentParser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple
 
 from . import provenance
-from .errors import ArgumentError, PushbeltError
+from .errors import PushbeltError
 
 INTERRUPTED, TERMINATED = 130, 143  # Exit codes after Ctrl-C and SIGTERM
 
@@ -27,21 +26,6 @@ class Done(NamedTuple):
 
     code: int
     result: Any
-
-
-class CommandLineError(ArgumentError):
-    """A wrong word of a command line."""
-
-    def __init__(self, message: str, parser: ArgumentParser) -> None:
-        super().__init__(message)
-        self.parser = parser
-
-
-class Parser(ArgumentParser):
-    """A parser that raises CommandLineError."""
-
-    def error(self, message: str) -> NoReturn:
-        raise CommandLineError(message, self)
 
 
 def run(main: Callable[[], int | Done | None]) -> int:
@@ -74,8 +58,6 @@ def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None],
             try:
                 provenance.begin(name, arguments)
                 return run(lambda: main(arguments))
-            except CommandLineError as error:
-                ArgumentParser.error(error.parser, str(error))
             except (OSError, PushbeltError) as error:
                 said = f"{name}: {error}"
             except ModuleNotFoundError as error:

@@ -41,7 +41,6 @@ def _states(name: str, value: Any) -> str:
 
 
 # Rules of arguments
-OWN = "own values"  # Name of a variator of a mapping of start values
 POINT = {
     "ratio": number(above=0.0), "torque": number("N·m"), "speed": number("rad/s"), "force": optional(number("N", least=0.0)),
     "safety": optional(number(above=0.0)), "thrust_ratio": optional(number(above=0.0)),
@@ -209,9 +208,8 @@ class WorkingPoints:
         `speed` and `force`. Each is changed alone, by plus and by minus one of them. With small ones the chords are the gradient.
         Raises SteadyStateError as `steady`, also for a changed parameter.
         """
-        if deviations is None and self.name == OWN:
-            raise ArgumentError("deviations are missing: the variator has no parameter set with deviations")
-        given = parameter_deviations(self.name) if deviations is None else deviations
+        if deviations is None:
+            deviations = parameter_deviations(self.name)
         point, chords = self._point(self._values, ratio, torque, speed, force, safety), []
 
         def solved(name: str = "", more: float = 0.0, near: bytes = b"") -> calls.Instance:
@@ -224,10 +222,10 @@ class WorkingPoints:
 
         unit = solved()
         outputs, near = unit.outputs(), unit.state()
-        for name, deviation in given.items():
+        for name, deviation in deviations.items():
             above, below = (solved(name, sign * deviation, near).outputs() for sign in (1.0, -1.0))
             chords.append([0.5 * (above[output] - below[output]) for output in outputs])
-        return Bands(outputs, dict(given), dict(zip(outputs, np.array(chords).reshape(-1, len(outputs)).T, strict=True)))
+        return Bands(outputs, dict(deviations), dict(zip(outputs, np.array(chords).reshape(-1, len(outputs)).T, strict=True)))
 
     def _point(self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float | None) -> Point:
         """A point with the given force, that of a safety factor, or that of the inputs among the values."""

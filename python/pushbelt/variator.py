@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .arguments import checks, kind, mapping, names, number, optional, path, settings, text
+from .arguments import checks, kind, mapping, names, number, optional, path, text
 from .errors import ArgumentError, warn
 from .fmu import cache, capacity
 from .fmu import unit as calls
 from .fmu.data import parameter_set
 from .fmu.enumerations import RingModel
 from .fmu.files import default_fmu
-from .fmu.results import Profile, dataframe, drawn, in_notebook
+from .fmu.results import Drawn, Profile, dataframe, in_notebook
 from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.unit import TRUTHS, UnitError
 from .linear.model import LinearModel, LinearPointError
 from .linear.physical import NotPhysicalError
-from .points import FREQUENCY, LINEAR, OWN, Values, WorkingPoints, model_of
+from .points import FREQUENCY, LINEAR, Values, WorkingPoints, model_of
 from .recording import InputTable, Ramp, Record, Recording
 
 if TYPE_CHECKING:
@@ -60,12 +60,7 @@ class Inputs(UserDict[str, float]):
         self.data[name] = value
 
 
-def start_values(parameters: Parameters) -> dict[str, Any]:
-    """Parameters of a published variator by name, of a parameter file (`….json`), or of a mapping."""
-    return dict(parameters) if isinstance(parameters, Mapping) else parameter_set(parameters)
-
-
-class Variator(WorkingPoints):
+class Variator(WorkingPoints, Drawn):
     """A variator that is advanced in time by `step`. It is a context manager, which calls `close` at its end.
 
         with pushbelt.Variator("bench168", {"initial.ratio": 1.5}) as variator:
@@ -94,10 +89,10 @@ class Variator(WorkingPoints):
         declared = archive.variables
         if "ring.model" not in declared:
             raise ArgumentError(f"{archive.description.modelName} has no ring.model: Variator runs the belt; MapVariator is a variator from maps")
-        given = start_values(parameters)
+        given, name = (parameters, "own values") if isinstance(parameters, Mapping) else (parameter_set(parameters), os.fspath(parameters))
         described = {v.name: v.start for v in declared.values() if v.causality in SETTABLE and v.start is not None}
         self._start = checked(declared, {**described, **given, **(changes or {})})
-        super().__init__(archive, self._start, OWN if isinstance(parameters, Mapping) else os.fspath(parameters))
+        super().__init__(archive, self._start, name)
         inputs = [v.name for v in self._declared.values() if v.causality == "input"]
         names = [*inputs, *calls.output_names(self._declared.values())]
         self._names = ("time", *names, *TRUTHS)
@@ -121,9 +116,7 @@ class Variator(WorkingPoints):
 
     def _repr_html_(self) -> str | None:
         values = dict(self.inputs) if self._now is None else self._outputs()
-        about = ((name, value, self.variables[name]) for name, value in values.items() if name != "time")
-        columns = ("value", "unit", "description")
-        return in_notebook(self, lambda: dataframe({name: dict(zip(columns, (value, one.unit, one.description), strict=True)) for name, value, one in about}).T)
+        return in_notebook(self, lambda: self.variables.to_dataframe().filter(values, axis=0)[["unit", "description"]].assign(value=values))
 
     def close(self) -> None:
         """Frees the instances. Recorded outputs can still be read."""
@@ -173,7 +166,7 @@ class Variator(WorkingPoints):
         self._read()
         return self._outputs()
 
-    @checks(values=settings)
+    @checks(values=lambda name, value: value if isinstance(value, str) else mapping(name, value))
     def set(self, values: Values | str, value: Any = None) -> None:
         """Sets inputs and tunable parameters, and before the start any parameter: `set(name, value)`, `set({name: value, …})` or
         `variator[name] = value`."""
@@ -186,6 +179,8 @@ class Variator(WorkingPoints):
         if self._now is not None and LOADS.intersection(found) and (hint := self._wrong_unit()):
             warn(hint)
 
+    __setitem__ = set
+
     @checks(name=text)
     def __getitem__(self, name: str) -> float:
         """Present value of a variable; `variables` has its unit. Reading an output starts the run, as `step` does."""
@@ -195,10 +190,6 @@ class Variator(WorkingPoints):
         return self._started.get(name)
 
     get = __getitem__
-
-    @checks(name=text)
-    def __setitem__(self, name: str, value: Any) -> None:
-        self.set(name, value)
 
     @property
     def inputs(self) -> Inputs:
@@ -322,11 +313,6 @@ class Variator(WorkingPoints):
     def to_dataframe(self) -> pandas.DataFrame:
         """`outputs` as a table over `time` (s). Needs `pushbelt[maps]`."""
         return dataframe(self.outputs).set_index("time")
-
-    def plot(self, *names: str, **options: Any) -> Any:
-        """Draws columns of `outputs` over the time, by default all; `options` are those of `pandas.DataFrame.plot`. Returns axes of matplotlib.
-        Needs `pushbelt[plots]`."""
-        return drawn(self.to_dataframe(), names, options)
 
     @property
     def _open(self) -> calls.Instance:

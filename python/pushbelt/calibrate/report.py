@@ -134,10 +134,6 @@ class Results:
         """Fitted values by name."""
         return {one.parameter.name: one.value for one in self.fit.estimates}
 
-    def to_dataframe(self) -> pd.DataFrame:
-        """All measured values with those of the fitted model."""
-        return self.rows
-
 
 def sentence(estimate: Estimate) -> str:
     """Result for a parameter, in one line."""

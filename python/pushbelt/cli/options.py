@@ -12,7 +12,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..console import Parser
 from ..errors import MissingFileError
 from ..fmu.enumerations import RingModel
 from ..fmu.files import default_fmu
@@ -29,7 +28,7 @@ VARIATOR = "parameter set: bench168, belt155, chain168 or a file ….json"
 
 def program(name: str, description: str | None, writes: str, fmu: str = "the FMU to run", needed: bool = True) -> argparse.ArgumentParser:
     """The parser of a program, with `--fmu` and `--output`. `fmu` says what the FMU is for; without `needed` its absence is no error."""
-    found = Parser(prog=typed(name), description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    found = argparse.ArgumentParser(prog=typed(name), description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     # A default that is a text is read like a word of the command line, so a missing FMU is an error only where it is needed.
     kind, text = _fmu if needed else _fmu_if_any, f"{fmu} [default: that of the package]"
     found.add_argument("--fmu", type=kind, default="", metavar="FILE", help=text)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_ring, add_short, add_variator, program
-from pushbelt.errors import require
+from pushbelt.errors import ArgumentError, require
 
 from .cycle import CYCLES, CycleMissingError, wltc_class_3b
 from .vehicle import RANGES, demo_car
@@ -47,10 +47,9 @@ def parser() -> argparse.ArgumentParser:
 
 @console.program("drive", "reports")
 def main(arguments: Sequence[str] | None = None) -> console.Done:
-    reader = parser()
-    options = reader.parse_args(arguments)
+    options = parser().parse_args(arguments)
     if not 0.5 <= options.clamping <= 2.0:
-        reader.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
+        raise ArgumentError(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     if options.cycle is None:
         options.cycle = default_cycle()
     require("reports" if options.cycle in CYCLES else "tables")  # The help needs no packages of the extras.

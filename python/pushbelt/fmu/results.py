@@ -30,13 +30,20 @@ def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") 
     return values[name]
 
 
-def drawn(table: pandas.DataFrame, names: Sequence[str], options: Mapping[str, Any]) -> Any:
-    """Axes of matplotlib with columns of a table over its index, by default all of them, each in axes of its own. Raises UnknownNameError
-    for another name."""
-    package("matplotlib", "figures need matplotlib", "plots")
-    for name in names:
-        item(table, name, "table", "column")
-    return table[list(names) or table.columns].plot(**{"subplots": True, **options})
+class Drawn:
+    """Results whose table can be drawn."""
+
+    to_dataframe: Callable[[], pandas.DataFrame]
+
+    def plot(self, *names: str, **options: Any) -> Any:
+        """Draws columns of the table over time or position, by default all; `options` are those of `pandas.DataFrame.plot`. Returns axes of
+        matplotlib. Needs `pushbelt[plots]`."""
+        package("matplotlib", "figures need matplotlib", "plots")
+        table = self.to_dataframe()
+        for name in names:
+            item(table, text("name", name), "table", "column")
+        table = table.set_index("position") if "position" in table else table
+        return table[list(names) or table.columns].plot(**{"subplots": True, **options})
 
 
 def in_notebook(thing: object, table: Callable[[], pandas.DataFrame]) -> str | None:
@@ -45,7 +52,7 @@ def in_notebook(thing: object, table: Callable[[], pandas.DataFrame]) -> str | N
 
 
 @dataclass(frozen=True, repr=False)
-class Profile:
+class Profile(Drawn):
     """Fields along the belt, one value per place."""
 
     position: Array  # Place ξ on the ring's centre line, m
@@ -66,11 +73,6 @@ class Profile:
     def to_dataframe(self) -> pandas.DataFrame:
         """A table with a row for each place and a column for each field. Needs `pushbelt[maps]`."""
         return dataframe({field.name: getattr(self, field.name) for field in fields(self)})
-
-    def plot(self, *names: str, **options: Any) -> Any:
-        """Draws fields over the position, by default all; `options` are those of `pandas.DataFrame.plot`. Returns axes of matplotlib. Needs
-        `pushbelt[plots]`."""
-        return drawn(self.to_dataframe().set_index("position"), names, options)
 
 
 @dataclass(frozen=True, repr=False)
@@ -161,7 +163,7 @@ class LoadCaseResult:
 
 
 @dataclass(frozen=True, repr=False)
-class Trace:
+class Trace(Drawn):
     """A simulated run: time and one column per variable, Booleans as 0 and 1."""
 
     time: Array
@@ -180,10 +182,6 @@ class Trace:
     def to_dataframe(self) -> pandas.DataFrame:
         """A table over `time` (s) with a column for each variable. Needs `pushbelt[maps]`."""
         return dataframe({"time": self.time, **self.columns}).set_index("time")
-
-    def plot(self, *names: str, **options: Any) -> Any:
-        """Draws variables over the time, by default all. Needs `pushbelt[plots]`."""
-        return drawn(self.to_dataframe(), names, options)
 
 
 def intervals(time: Array, flag: Array, gap: float = 0.0) -> list[tuple[float, float]]:

@@ -3,8 +3,6 @@
     study (points) → `pushbelt.study` (cluster, store) → results.parquet → maps → report with checks
 """
 
-import sys
+from pushbelt.calls import callable_module
 
-from pushbelt.calls import Program
-
-sys.modules[__name__].__class__ = Program
+callable_module(__name__)

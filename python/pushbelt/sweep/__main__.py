@@ -95,7 +95,7 @@ def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> console.D
     from pushbelt.study.run import from_command_line
 
     from . import report
-    from .results import frame, table, write_parquet
+    from .results import table, write_parquet
 
     for warning in warnings_of(study):
         print(f"  warning: {warning}", file=sys.stderr)
@@ -105,7 +105,9 @@ def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> console.D
     path = report.write(study, results, options.output, effort)
     failed = len(results) - results["reason"].null_count
     print(f"{path.resolve()} ({len(results)} points, {failed} without a steady state, {effort})")
-    return console.Done(0 if failed < len(results) else 1, frame(results))
+    found = results.to_pandas()
+    found.attrs["units"] = {one.name: one.metadata[b"unit"].decode() for one in results.schema}
+    return console.Done(0 if failed < len(results) else 1, found)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import pandas
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -67,13 +66,6 @@ def table(study: Study, rows: Mapping[int, Row]) -> pa.Table:
         "grid": grid, "points": len(results), "failed": len(results) - results["reason"].null_count,
     }  # fmt: skip
     return results.replace_schema_metadata({METADATA: json.dumps(document)})
-
-
-def frame(contents: pa.Table) -> pandas.DataFrame:
-    """The table in pandas. Its `attrs` have the study, and `units` of the columns."""
-    found = contents.to_pandas()
-    found.attrs = json.loads(contents.schema.metadata[METADATA]) | {"units": {one.name: one.metadata[b"unit"].decode() for one in contents.schema}}
-    return found
 
 
 def write_parquet(contents: pa.Table, path: Path) -> None:
