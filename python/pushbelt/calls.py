@@ -17,10 +17,11 @@ from .errors import ArgumentError
 
 
 class Program(ModuleType):
-    """A program that is a function, too. Its arguments are those of the command, with `_` for `-`; it returns the results.
+    """A program that is a function, too. Its arguments are those of the command, with `_` for `-`.
 
-    Lists are lists, repeated options are mappings: `set={"belt.play": 3e-4}`, `bounds={"friction.pulley": (0.05, 0.12)}`. A table may be a
-    pandas.DataFrame. A program that starts processes needs the guard `if __name__ == "__main__":` around its call.
+    `sweep` returns a pandas.DataFrame, `maps` a `Maps`, `drive` its `runs`, `calibrate` the fitted `parameters`, `fit` and `rows`. Repeated
+    options are mappings: `set={"belt.play": 3e-4}`, `bounds={"friction.pulley": (0.05, 0.12)}`. A table may be a pandas.DataFrame.
+    Programs start processes, so a script needs the guard `if __name__ == "__main__":` around a call.
     """
 
     __signature__ = property(lambda self: signature(self._function))
@@ -68,8 +69,7 @@ def _words(action: argparse.Action, value: Any, folder: Path) -> list[str]:
         value.to_csv(path := folder / f"{action.dest}.csv", index=False)
         value = path
     if isinstance(value, Mapping):
-        pair = "±" if "±" in str(action.metavar) else ":"
-        value = [name if one is None else f"{name}={_text(one, pair)}" for name, one in value.items()]
+        value = [key if one is None else f"{key}={_text(one, '±' if '±' in str(action.metavar) else ':')}" for key, one in value.items()]
     repeated = isinstance(action, argparse._AppendAction) and isinstance(value, list)
     return [f"{option}={text}" if option else text for text in (value if repeated else [_text(value)])]
 

@@ -328,11 +328,11 @@ class WorkingPoints:
         gap = [np.nan] * len(names)
         values = np.moveaxis(np.array([[gap if one is None else one for one in line] for line in found]), -1, 0)
         texts = {name: (one.unit, one.description) for name, one in self.variables.items()}
-        texts |= {"ratio": ("1", "Geometric ratio r_S/r_P"), "torque": ("N.m", "Primary torque")}
+        texts |= {"ratio": ("1", "Geometric ratio r_S/r_P"), "torque": ("N.m", "Primary torque"), "speed": ("rad/s", "Primary speed")}
         texts["clampingForce"] = ("N", "Whole secondary clamping force")
         about = {name: {"units": unit, "long_name": text} for name, (unit, text) in texts.items()}
         return dataset(
             {name: (tuple(axes), one, about[name]) for name, one in zip(names, values, strict=True)} | {"reason": (tuple(axes), reasons)},
-            {name: (name, axis, about[name]) for name, axis in axes.items()} | {"speed": ((), speed, {"units": "rad/s", "long_name": "Primary speed"})},
+            {name: (name, axis, about[name]) for name, axis in axes.items()} | {"speed": ((), speed, about["speed"])},
             {"variator": self.name, "fmu": self._archive.description.modelName, "version": self._archive.version},
         )

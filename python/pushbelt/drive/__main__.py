@@ -50,8 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> console.Done:
     options = parser().parse_args(arguments)
     if not 0.5 <= options.clamping <= 2.0:
         raise ArgumentError(f"--clamping {options.clamping:g} is not within 0.5 to 2")
-    if options.cycle is None:
-        options.cycle = default_cycle()
+    options.cycle = options.cycle or default_cycle()
     require("reports" if options.cycle in CYCLES else "tables")  # The help needs no packages of the extras.
     from . import report, runs
 
@@ -65,8 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> console.Done:
     options.output.mkdir(parents=True, exist_ok=True)
     for run in results.runs:
         report.write_trace(run, results.units, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
-    path = options.output / "report.html"
-    report.write_html(results, path)
+    report.write_html(results, path := options.output / "report.html")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return console.Done(0, results)
 

@@ -30,8 +30,7 @@ BELT_LENGTH = 0.2, 5.0  # Range of the length of a belt, m
 
 def variators() -> dict[str, str]:
     """Names of the published parameter sets, and what they are."""
-    paths = sorted((RESOURCES / "parameters").glob("*.json"))
-    return {path.stem: json.loads(path.read_text(encoding="utf-8"))["about"] for path in paths}
+    return {path.stem: json.loads(path.read_text(encoding="utf-8"))["about"] for path in sorted((RESOURCES / "parameters").glob("*.json"))}
 
 
 @checks(name=file)
