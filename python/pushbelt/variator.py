@@ -116,7 +116,7 @@ class Variator(WorkingPoints, Drawn):
 
     def _repr_html_(self) -> str | None:
         values = dict(self.inputs) if self._now is None else self._outputs()
-        return in_notebook(self, lambda: self.variables.to_dataframe().filter(values, axis=0)[["unit", "description"]].assign(value=values))
+        return in_notebook(self, lambda: self.variables.to_dataframe().filter(list(values), axis=0)[["unit", "description"]].assign(value=values))
 
     def close(self) -> None:
         """Frees the instances. Recorded outputs can still be read."""
@@ -258,9 +258,7 @@ class Variator(WorkingPoints, Drawn):
         return self._simulated(InputTable.of(inputs), step, outputs)
 
     @checks(duration=number("s", above=0.0), inputs=optional(mapping), step=number("s", above=0.0), outputs=optional(names))
-    def run(
-        self, duration: float, inputs: Values | None = None, *, step: float = 1e-2, outputs: Iterable[str] | None = None
-    ) -> pandas.DataFrame:  # fmt: skip
+    def run(self, duration: float, inputs: Values | None = None, *, step: float = 1e-2, outputs: Iterable[str] | None = None) -> pandas.DataFrame:
         """Runs the variator for a duration, s, with constant inputs and the present values of the others, and returns the table that
         `simulate` returns. Needs `pushbelt[maps]`."""
         constant = {name: np.full(2, value) for name, value in checked(self._declared, inputs or {}).items()}

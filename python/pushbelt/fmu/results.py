@@ -48,7 +48,7 @@ class Drawn:
 
 def in_notebook(thing: object, table: Callable[[], pandas.DataFrame]) -> str | None:
     """What a notebook shows of an object: its line, and a table if pandas is installed."""
-    return f"<p>{escape(repr(thing))}</p>{table().to_html()}" if importlib.util.find_spec("pandas") else None
+    return f"<p>{escape(repr(thing))}</p>{table().to_html(float_format='{:.5g}'.format)}" if importlib.util.find_spec("pandas") else None
 
 
 @dataclass(frozen=True, repr=False)
