@@ -6,6 +6,7 @@ import argparse
 import dataclasses
 import inspect
 import re
+import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 
 import pushbelt
 from pushbelt import cli
+from pushbelt.calls import Program
 
 DOCS = Path(__file__).parents[2] / "docs"
 WRITTEN = "<!-- Written by `cargo fmu describe`: don't edit. -->\n\n"
@@ -89,6 +91,11 @@ def signature(name: str, function: Any) -> str:
     return re.sub(r"=<[^,)]*>", "=…", f"{name}{found.replace(parameters=bare, return_annotation=found.empty)}")
 
 
+def item(title: str, thing: Any) -> str:
+    """An item of a list: an object with all paragraphs of its docstring."""
+    return textwrap.indent(f"- `{title}`: {told(thing, whole=True)}", "  ", lambda line: not line.startswith("- ") and bool(line.strip()))
+
+
 def members(kind: type) -> Iterator[str]:
     """A line for each public field, property and method of a class."""
     if dataclasses.is_dataclass(kind):
@@ -100,9 +107,9 @@ def members(kind: type) -> Iterator[str]:
         member = inspect.getattr_static(kind, name)
         function = getattr(member, "__func__", member)
         if inspect.isfunction(function):
-            yield f"- `{signature(name, function)}`: {told(function)}"
+            yield item(signature(name, function), function)
         elif hasattr(member, "__get__") and told(member):
-            yield f"- `{name}`: {told(member)}"
+            yield item(name, member)
 
 
 def interface() -> str:
@@ -115,7 +122,9 @@ def interface() -> str:
             title = signature(name, thing.__init__) if "__init__" in vars(thing) else name
             text += f"\n## {name}\n\n`{title}`\n\n{told(thing, whole=True)}\n\n" + "".join(f"{line}\n" for line in lines)
     text += "\n## Functions\n\n"
-    text += "".join(f"- `{signature(name, one)}`: {told(one)}\n" for name, one in named.items() if inspect.isfunction(one))
+    text += "".join(f"{item(signature(name, one), one)}\n" for name, one in named.items() if inspect.isfunction(one))
+    text += f"\n## Programs\n\n{told(Program, whole=True)}\n\n"
+    text += "".join(f"- `{signature(name, one)}`\n" for name, one in named.items() if isinstance(one, Program))
     text += "\n## Errors and warnings\n\n| name | bases | meaning |\n|---|---|---|\n"
     for name, thing in named.items():
         if inspect.isclass(thing) and issubclass(thing, Exception):

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from .errors import ArgumentError, FileError, MissingFileError, PushbeltError
+from .errors import ArgumentError, FileError, MissingFileError, PushbeltError, similar
 
 Rule = Callable[[str, Any], Any]
 F = TypeVar("F", bound=Callable[..., Any])
@@ -27,7 +27,12 @@ def checks(**rules: Rule) -> Callable[[F], F]:
 
         @functools.wraps(function)
         def checked(*given: Any, **named: Any) -> Any:
-            bound = signature.bind(*given, **named)
+            try:
+                bound = signature.bind(*given, **named)
+            except TypeError as error:
+                faults = [f"no argument {name}{similar(name, signature.parameters)}" for name in named if name not in signature.parameters]
+                what = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+                raise ArgumentError(f"{what}: {faults[0] if faults else error}") from None
             bound.arguments |= {name: rules[name](name, value) for name, value in bound.arguments.items() if name in rules}
             try:
                 return function(*bound.args, **bound.kwargs)

@@ -9,7 +9,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 from . import provenance
 from .errors import PushbeltError
@@ -21,13 +21,21 @@ class Terminated(KeyboardInterrupt):
     """SIGTERM, as `kill` and batch systems send it. Like Ctrl-C, it ends the workers of a program."""
 
 
-def run(main: Callable[[], int | None]) -> int:
+class Done(NamedTuple):
+    """The end of a program: its exit code, and what it returns to Python."""
+
+    code: int
+    result: Any
+
+
+def run(main: Callable[[], int | Done | None]) -> int:
     """Runs a program and returns its exit code. Characters that the encoding of the output lacks become question marks."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")
     try:
         with _handled(signal.SIGTERM, _terminate):
-            return main() or 0
+            found = main()
+            return found.code if isinstance(found, Done) else found or 0
     except Terminated:
         print("terminated", file=sys.stderr)
         return TERMINATED
@@ -40,11 +48,11 @@ def _terminate(*_: object) -> None:
     raise Terminated("ended by the signal SIGTERM")
 
 
-def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None], int]], Callable[..., int]]:
+def program(name: str, extra: str) -> Callable[[Callable[[Sequence[str] | None], int | Done]], Callable[..., int]]:
     """The main function of a program, with the words of its command line, which its reports name. Its errors are one line
     each; packages that are missing are those of an extra."""
 
-    def made(main: Callable[[Sequence[str] | None], int]) -> Callable[..., int]:
+    def made(main: Callable[[Sequence[str] | None], int | Done]) -> Callable[..., int]:
         @functools.wraps(main)
         def started(arguments: Sequence[str] | None = None) -> int:
             try:

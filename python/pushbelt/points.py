@@ -13,7 +13,7 @@ from .errors import ArgumentError, PushbeltError, package, warn
 from .fmu import capacity
 from .fmu import unit as calls
 from .fmu.closing import closed_by, closing_at
-from .fmu.data import clamping_force, pitch_radius, torque_capacity
+from .fmu.data import clamping_force, parameter_deviations, pitch_radius, torque_capacity
 from .fmu.results import Bands, SteadyState, item
 from .fmu.start_values import StartValueError, Variables, checked
 from .fmu.steady import SteadyStates, driven_by_torque
@@ -45,10 +45,7 @@ POINT = {
     "ratio": number(above=0.0), "torque": number("N·m"), "speed": number("rad/s"), "force": optional(number("N", least=0.0)),
     "safety": optional(number(above=0.0)), "thrust_ratio": optional(number(above=0.0)),
 }  # fmt: skip
-GRID = {
-    "ratios": lambda _, values: number(above=0.0, several=True)("ratio", values),
-    "torques": lambda _, values: number("N·m", several=True)("torque", values),
-}  # fmt: skip
+GRID = {"ratio": number(above=0.0, several=True), "torque": number("N·m", several=True)}
 LINEAR = {"frequency": number("Hz", above=0.0), "states": _states, "sample_time": optional(number("s", above=0.0))}
 
 Objects = NDArray[np.object_]
@@ -95,9 +92,11 @@ def model_of(solver: calls.Instance, frequency: float, states: str, sample_time:
 class WorkingPoints:
     """Steady states of the variator of given start values, and linear models about them, on an instance of their own."""
 
-    def __init__(self, archive: Archive, values: Values) -> None:
+    def __init__(self, archive: Archive, values: Values, name: str) -> None:
         """`values` are start values, of which all that are needed are checked."""
         self._archive, self._values = archive, dict(values)
+        self.name = name
+        """Name or file of the parameter set."""
         self._declared = archive.variables
         self._states = SteadyStates(archive)
         self._last_steady: tuple[Values, SteadyState] | None = None
@@ -125,11 +124,11 @@ class WorkingPoints:
         return self._linearize(self._values, ratio, torque, speed, force, safety, (frequency, states, sample_time))
 
     @checks(
-        **POINT | {"speed": number("rad/s", several=True), "force": optional(number("N", least=0.0, several=True))},
-        **LINEAR, **GRID, changes=optional(lists), after_each=kind("a function", Callable),
+        **POINT | GRID | {"speed": number("rad/s", several=True), "force": optional(number("N", least=0.0, several=True))},
+        **LINEAR, changes=optional(lists), after_each=kind("a function", Callable),
     )  # fmt: skip
     def linear_grid(
-        self, ratios: Iterable[float], torques: Iterable[float], *, speed: float | Iterable[float] = SPEED,
+        self, ratio: float | Iterable[float], torque: float | Iterable[float], *, speed: float | Iterable[float] = SPEED,
         force: float | Iterable[float] | None = None, safety: float | None = SAFETY,
         frequency: float = FREQUENCY, states: str = "modal", sample_time: float | None = None,
         changes: Mapping[str, Iterable[Any]] | None = None, after_each: Callable[[], object] = lambda: None,
@@ -139,7 +138,7 @@ class WorkingPoints:
         `speed` (rad/s), `force` (N) and each parameter in `changes` are further axes if they have more than one value.
         `after_each` is called after each point. A point without a model has None and a reason.
         """
-        several: dict[str, Any] = {"ratio": ratios, "torque": torques, "speed": speed, "force": force}
+        several: dict[str, Any] = {"ratio": ratio, "torque": torque, "speed": speed, "force": force}
         lists = {name: list(values) for name, values in several.items() if isinstance(values, Iterable)}
         for name, values in (changes or {}).items():
             lists[name] = [checked(self._declared, {name: value})[name] for value in values]
@@ -198,17 +197,19 @@ class WorkingPoints:
         """
         return self._steady(self._values, self._point(self._values, ratio, torque, speed, force, safety))
 
-    @checks(**POINT, deviations=mapping)
+    @checks(**POINT, deviations=optional(mapping))
     def bands(
-        self, ratio: float, torque: float, deviations: Mapping[str, float], *, speed: float = SPEED, force: float | None = None,
+        self, ratio: float, torque: float, deviations: Mapping[str, float] | None = None, *, speed: float = SPEED, force: float | None = None,
         safety: float | None = SAFETY,
     ) -> Bands:  # fmt: skip
         """Outputs of the steady state of `steady`, with standard deviations.
 
-        `deviations` has those of parameters in their units, such as `parameter_deviations("bench168")`, and of `ratio`, `torque`, `speed`
-        and `force`. Each is changed alone, by plus and by minus one of them. With small ones the chords are the gradient.
+        `deviations` has those of parameters in their units, by default those of this variator's parameter set, and of `ratio`, `torque`,
+        `speed` and `force`. Each is changed alone, by plus and by minus one of them. With small ones the chords are the gradient.
         Raises SteadyStateError as `steady`, also for a changed parameter.
         """
+        if deviations is None:
+            deviations = parameter_deviations(self.name)
         point, chords = self._point(self._values, ratio, torque, speed, force, safety), []
 
         def solved(name: str = "", more: float = 0.0, near: bytes = b"") -> calls.Instance:
@@ -301,19 +302,19 @@ class WorkingPoints:
         """
         return torque_capacity(self._values, ratio, min(1.0, thrust_ratio) * force)
 
-    @checks(**POINT, **GRID)
+    @checks(**POINT | GRID)
     def thrust_map(
-        self, ratios: Iterable[float], torques: Iterable[float], *, speed: float = SPEED, force: float | None = None,
+        self, ratio: float | Iterable[float], torque: float | Iterable[float], *, speed: float = SPEED, force: float | None = None,
         safety: float | None = SAFETY,
     ) -> xarray.Dataset:
         """Steady states over geometric ratios (1) and primary torques (N·m), with speed and force as in `steady`.
 
-        Returns a data set with the dimensions `ratio` and `torque`. It has a variable for each output (`thrustRatio`, `slip`,
-        `efficiency`, … with the attributes `units` and `long_name`), `clampingForce` in N, and `reason`, which is empty at
-        points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
+        Returns a data set with the dimensions `ratio` and `torque` and the attributes `variator`, `fmu` and `version`. It has a variable
+        for each output (`thrustRatio`, `slip`, `efficiency`, … with the attributes `units` and `long_name`), `clampingForce` in N, and
+        `reason`, which is empty at points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
         """
         dataset = package("xarray", "thrust_map needs xarray", "maps").Dataset
-        axes = {"ratio": np.atleast_1d(np.asarray(ratios)), "torque": np.atleast_1d(np.asarray(torques))}
+        axes = {"ratio": np.atleast_1d(np.asarray(ratio)), "torque": np.atleast_1d(np.asarray(torque))}
         if empty := [name for name, values in axes.items() if not len(values)]:
             raise ArgumentError(f"the map has no {empty[0]}")
         names = [*calls.output_names(self._declared.values()), "clampingForce"]
@@ -327,11 +328,11 @@ class WorkingPoints:
         gap = [np.nan] * len(names)
         values = np.moveaxis(np.array([[gap if one is None else one for one in line] for line in found]), -1, 0)
         texts = {name: (one.unit, one.description) for name, one in self.variables.items()}
-        texts |= {"ratio": ("1", "Geometric ratio r_S/r_P"), "torque": ("N.m", "Primary torque")}
+        texts |= {"ratio": ("1", "Geometric ratio r_S/r_P"), "torque": ("N.m", "Primary torque"), "speed": ("rad/s", "Primary speed")}
         texts["clampingForce"] = ("N", "Whole secondary clamping force")
         about = {name: {"units": unit, "long_name": text} for name, (unit, text) in texts.items()}
         return dataset(
             {name: (tuple(axes), one, about[name]) for name, one in zip(names, values, strict=True)} | {"reason": (tuple(axes), reasons)},
-            {name: (name, axis, about[name]) for name, axis in axes.items()},
-            {"primary speed": speed, "units of it": "rad/s"},
+            {name: (name, axis, about[name]) for name, axis in axes.items()} | {"speed": ((), speed, about["speed"])},
+            {"variator": self.name, "fmu": self._archive.description.modelName, "version": self._archive.version},
         )

@@ -46,7 +46,7 @@ class InputTable:
     def of(cls, inputs: pandas.DataFrame) -> InputTable:
         """The table of a data frame, whose index or column `time` is time. Raises ArgumentError if it is not usable."""
         if not hasattr(inputs, "columns") or not hasattr(inputs, "index"):
-            raise ArgumentError(f"inputs are a pandas.DataFrame over time, not {type(inputs).__name__}")
+            raise ArgumentError(f"inputs are a pandas.DataFrame over time, not {type(inputs).__name__}; run() takes a duration")
         columns = {str(name): inputs[name].to_numpy() for name in inputs.columns}
         times = columns.pop("time", inputs.index.to_numpy())
         if inputs.columns.has_duplicates:

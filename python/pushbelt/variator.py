@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import UserDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +19,7 @@ from .fmu import unit as calls
 from .fmu.data import parameter_set
 from .fmu.enumerations import RingModel
 from .fmu.files import default_fmu
-from .fmu.results import Profile, dataframe
+from .fmu.results import Drawn, Profile, dataframe, in_notebook
 from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.unit import TRUTHS, UnitError
 from .linear.model import LinearModel, LinearPointError
@@ -47,12 +48,19 @@ class Snapshot:
         return f"<Snapshot at {self.time:g} s: {len(self.state)} bytes>"
 
 
-def start_values(parameters: Parameters) -> dict[str, Any]:
-    """Parameters of a published variator by name, of a parameter file (`….json`), or of a mapping."""
-    return dict(parameters) if isinstance(parameters, Mapping) else parameter_set(parameters)
+class Inputs(UserDict[str, float]):
+    """Present inputs by name; `inputs[name] = value` sets one."""
+
+    def __init__(self, variator: Variator) -> None:
+        self.data = {one.name: variator[one.name] for one in variator.variables.values() if one.causality == "input"}
+        self._set = variator.set
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self._set(name, value)
+        self.data[name] = value
 
 
-class Variator(WorkingPoints):
+class Variator(WorkingPoints, Drawn):
     """A variator that is advanced in time by `step`. It is a context manager, which calls `close` at its end.
 
         with pushbelt.Variator("bench168", {"initial.ratio": 1.5}) as variator:
@@ -81,11 +89,10 @@ class Variator(WorkingPoints):
         declared = archive.variables
         if "ring.model" not in declared:
             raise ArgumentError(f"{archive.description.modelName} has no ring.model: Variator runs the belt; MapVariator is a variator from maps")
-        given = start_values(parameters)
-        self._name = "own values" if isinstance(parameters, Mapping) else os.fspath(parameters)
+        given, name = (parameters, "own values") if isinstance(parameters, Mapping) else (parameter_set(parameters), os.fspath(parameters))
         described = {v.name: v.start for v in declared.values() if v.causality in SETTABLE and v.start is not None}
         self._start = checked(declared, {**described, **given, **(changes or {})})
-        super().__init__(archive, self._start)
+        super().__init__(archive, self._start, name)
         inputs = [v.name for v in self._declared.values() if v.causality == "input"]
         names = [*inputs, *calls.output_names(self._declared.values())]
         self._names = ("time", *names, *TRUTHS)
@@ -105,7 +112,11 @@ class Variator(WorkingPoints):
     def __repr__(self) -> str:
         ring = RingModel(int(self._values["ring.model"])).name
         state = "closed" if self._unit is None else "not started" if self._now is None else f"at {self._unit.time:g} s"
-        return f"<Variator {self._name}: ring {ring}, {state}, {len(self._recording)} rows of outputs>"
+        return f"<Variator {self.name}: ring {ring}, {state}, {len(self._recording)} rows of outputs>"
+
+    def _repr_html_(self) -> str | None:
+        values = dict(self.inputs) if self._now is None else self._outputs()
+        return in_notebook(self, lambda: self.variables.to_dataframe().filter(list(values), axis=0)[["unit", "description"]].assign(value=values))
 
     def close(self) -> None:
         """Frees the instances. Recorded outputs can still be read."""
@@ -155,10 +166,11 @@ class Variator(WorkingPoints):
         self._read()
         return self._outputs()
 
-    @checks(values=mapping)
-    def set(self, values: Values) -> None:
-        """Sets inputs and tunable parameters, and before the start any parameter."""
-        found = checked(self._declared, values)
+    @checks(values=lambda name, value: value if isinstance(value, str) else mapping(name, value))
+    def set(self, values: Values | str, value: Any = None) -> None:
+        """Sets inputs and tunable parameters, and before the start any parameter: `set(name, value)`, `set({name: value, …})` or
+        `variator[name] = value`."""
+        found = checked(self._declared, {values: value} if isinstance(values, str) else values)
         for name in found if self._now is not None else ():
             if self._declared[name].causality == "parameter" and self._declared[name].variability != "tunable":
                 raise StartValueError(f"{name} can only be set before the start")
@@ -167,16 +179,26 @@ class Variator(WorkingPoints):
         if self._now is not None and LOADS.intersection(found) and (hint := self._wrong_unit()):
             warn(hint)
 
+    __setitem__ = set
+
     @checks(name=text)
     def __getitem__(self, name: str) -> float:
-        """Present value of a variable; `variables` has its unit. Before the start only parameters and inputs have one."""
+        """Present value of a variable; `variables` has its unit. Reading an output starts the run, as `step` does."""
         if name in self._values:
             return self._values[name]
-        return self._running(self.variables[name].name).get(name)
+        name = self.variables[name].name
+        return self._started.get(name)
+
+    get = __getitem__
+
+    @property
+    def inputs(self) -> Inputs:
+        """Present values of the inputs by name. `inputs[name] = value` sets one."""
+        return Inputs(self)
 
     def profile(self) -> Profile:
         """Present fields along the belt: position (m), push force and ring tension (N), normal force (N/m) and more."""
-        return self._running("the profile").profile()
+        return self._started.profile()
 
     @checks(**LINEAR)
     def linearize_here(self, frequency: float = FREQUENCY, *, states: str = "modal", sample_time: float | None = None) -> LinearModel:
@@ -185,7 +207,7 @@ class Variator(WorkingPoints):
         If the belt slips through, or if the state requires other loads than the present inputs, a VariatorWarning is issued, and the
         model's `remarks` contain the difference. Raises LinearPointError if the state is not steady.
         """
-        unit = self._running("the linear model")
+        unit = self._started
         try:
             model = model_of(unit, frequency, states, sample_time)
         except (UnitError, NotPhysicalError) as error:
@@ -206,7 +228,7 @@ class Variator(WorkingPoints):
 
     def snapshot(self) -> Snapshot:
         """The present state of the run, to which `restore` returns."""
-        unit = self._running("the state")
+        unit = self._started
         return Snapshot(unit.time, dict(self._values), unit.state())
 
     @checks(snapshot=kind("a Snapshot", Snapshot))
@@ -233,7 +255,16 @@ class Variator(WorkingPoints):
 
         Raises ArgumentError for a table that is not usable, StartValueError for a wrong name or value.
         """
-        table = InputTable.of(inputs)
+        return self._simulated(InputTable.of(inputs), step, outputs)
+
+    @checks(duration=number("s", above=0.0), inputs=optional(mapping), step=number("s", above=0.0), outputs=optional(names))
+    def run(self, duration: float, inputs: Values | None = None, *, step: float = 1e-2, outputs: Iterable[str] | None = None) -> pandas.DataFrame:
+        """Runs the variator for a duration, s, with constant inputs and the present values of the others, and returns the table that
+        `simulate` returns. Needs `pushbelt[maps]`."""
+        constant = {name: np.full(2, value) for name, value in checked(self._declared, inputs or {}).items()}
+        return self._simulated(InputTable(self.time + np.array([0.0, duration]), constant), step, outputs)
+
+    def _simulated(self, table: InputTable, step: float, outputs: Iterable[str] | None) -> pandas.DataFrame:
         begin = float(table.times[0])
         if self._now is not None and abs(begin - self.time) > 1e-9:
             raise ArgumentError(f"the first time of the inputs is {begin:g} s, but the run is at {self.time:g} s")
@@ -268,7 +299,8 @@ class Variator(WorkingPoints):
 
     @property
     def outputs(self) -> NDArray[Any]:
-        """The recorded communication points as a record array: `outputs["time"]` in s, `outputs["primary.speed"]` in rad/s.
+        """The recorded communication points as a record array: `outputs["time"]` in s, `outputs["primary.speed"]` in rad/s. Present values
+        are those of `variator[name]`.
 
         Columns are those of `record`, by default the real inputs and outputs, stored and residual energy, `macroSlip` and `pastPeak` as 0 or 1. The
         value of an input is that at the end of the previous step. Without an interval a long run has a row at every second, fourth, …
@@ -286,10 +318,10 @@ class Variator(WorkingPoints):
             raise UnitError("the variator is closed")
         return self._unit
 
-    def _running(self, what: str) -> calls.Instance:
+    @property
+    def _started(self) -> calls.Instance:
         unit = self._open
-        if self._now is None:
-            raise UnitError(f"{what} has no value before the start: call start() or step() first")
+        self.start()
         return unit
 
     def _read(self) -> None:

@@ -39,15 +39,20 @@ def things(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict
         grid.save(folder / "models.npz")
         data.write(folder / "maps.json")
         point = {"ratio": 1.0, "torque": 20.0, "speed": 200.0, "force": 9e3, "safety": 1.3}
+        bands, state = run.bands(1.0, 20.0, {}, force=9e3), run.steady(1.0, 20.0, force=9e3)
         linear = {"frequency": 50.0, "states": "modal", "sample_time": 0.01}
-        over = {"ratios": [1.0], "torques": [20.0], "speed": 200.0, "force": 9e3, "safety": 1.3}
+        over = point | {"ratio": [1.0], "torque": [20.0]}
         fields = {name: getattr(model, name) for name in ("a", "b", "c", "d", "inputs", "outputs", "states", "poles")}
         rest = {name: value for name, value in vars(model).items() if name not in fields}
         yield {
             "Variator.linearize_here": (run.linearize_here, linear),
             "Variator": (Variator, {"parameters": "bench168", "changes": {}, "fmu": fmu, "record": ["slip"]}),
-            "Variator.step": (run.step, {"duration": 1e-3, "inputs": {}}), "Variator.set": (run.set, {"values": {}}),
-            "Variator.__getitem__": (run.__getitem__, {"name": "slip"}),
+            "Variator.step": (run.step, {"duration": 1e-3, "inputs": {}}), "Variator.set": (run.set, {"values": "primary.torque", "value": 2.0}),
+            "Variator.get": (run.get, {"name": "slip"}), "Variator.run": (run.run, {"duration": 0.01, "inputs": {}, "step": 0.01, "outputs": ["slip"]}),
+            "Bands": (pushbelt.Bands, dict(vars(bands))), "Bands.largest": (bands.largest, {"name": "slip", "count": 3}),
+            "SteadyState": (pushbelt.SteadyState, dict(vars(state))), "Profile": (pushbelt.Profile, dict(vars(state.profile))),
+            "Variator.plot": (lambda name: run.plot(name), {"name": "slip"}), "SteadyState.plot": (lambda name: state.plot(name), {"name": "gap"}),
+            "Profile.plot": (lambda name: state.profile.plot(name), {"name": "gap"}), "Maps.plot": (data.plot, {"name": "slip"}),
             "Variator.restore": (run.restore, {"snapshot": snapshot}),
             "Variator.simulate": (Variator("bench168", COARSE, fmu=fmu).simulate, {"inputs": table, "step": 0.01, "outputs": ["slip"]}),
             "Variator.linearize": (run.linearize, point | linear), "Variator.steady": (run.steady, point),
@@ -113,7 +118,7 @@ def test_no_argument_ends_in_another_error(things: dict[str, Any]) -> None:
         ("Variator.steady", {"torque": NAN}, "torque = nan N·m is not a finite number"), ("Variator", {"fmu": "none.fmu"}, "none.fmu: No such"),
         ("Variator.simulate", {"outputs": "slip"}, "outputs = 'slip' is not a list of names"),
         ("Variator.linear_grid", {"changes": {"ring.model": "ALE"}}, r"changes\['ring.model'\] = 'ALE' is not a list"),
-        ("Variator.set", {"values": {"ring.model": NAN}}, "nan"), ("LinearModel.step", {"times": [0.0, -1.0]}, "times = -1 s"),
+        ("Variator.set", {"value": NAN}, "nan"), ("LinearModel.step", {"times": [0.0, -1.0]}, "times = -1 s"),
         *(("MapVariator.step", {**MAPPED, name: value}, f"{name} = .*{why}") for name, value, why in (
             ("duration", -1.0, "above 0 s"), ("primary_torque", [1.0, NAN], "nan N·m"), ("secondary_force", -5.0, "at least 0 N"),
             ("secondary_force", [1.0] * 3, "or 2 of them"), ("secondary_force", 10.0, r"Is the force in kN\? 10 kN"))),

@@ -18,12 +18,12 @@ from conftest import MESH
 
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.study.cluster import ClusterError, slurm
-from pushbelt.sweep import Design, DesignError, Grid, Study, sweep
+from pushbelt.study.run import solve
 from pushbelt.sweep.__main__ import main
-from pushbelt.sweep.design import Varied, crossed, listed, varied
+from pushbelt.sweep.design import Design, DesignError, Varied, crossed, listed, varied
 from pushbelt.sweep.point import start_values
-from pushbelt.sweep.results import METADATA
-from pushbelt.sweep.study import variator, warnings_of
+from pushbelt.sweep.results import METADATA, table
+from pushbelt.sweep.study import Grid, Study, variator, warnings_of
 
 COARSE_OPTIONS = [f"--set={name}={value}" for name, value in MESH.items()]
 
@@ -242,7 +242,7 @@ def test_jobs_of_slurm_solve_a_study(fmu: Path, tmp_path: Path, monkeypatch: pyt
     queue, jobs = slurm(f"jobs=2 walltime=00:30:00 scratch={tmp_path}")
     with queue:
         queue.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
-        found = sweep(study, tmp_path / "out", scheduler=queue, chunk=1)
+        found = table(study, solve(study, tmp_path / "out", scheduler=queue, chunk=1))
     assert found["reason"].null_count == 4
     started = [int(line) for line in log.read_text(encoding="utf-8").split()]
     assert len(started) == 2
@@ -250,5 +250,5 @@ def test_jobs_of_slurm_solve_a_study(fmu: Path, tmp_path: Path, monkeypatch: pyt
     while any(Path(f"/proc/{job}").exists() for job in started) and time.monotonic() < end:
         time.sleep(0.1)
     assert not any(Path(f"/proc/{job}").exists() for job in started)
-    assert sweep(study, tmp_path / "out").equals(found)
+    assert table(study, solve(study, tmp_path / "out")).equals(found)
     assert len(log.read_text(encoding="utf-8").split()) == 2

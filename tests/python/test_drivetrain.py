@@ -67,7 +67,7 @@ def test_figures_of_merit_are_sums_over_the_steps() -> None:
     setup = simulate.Setup("made up", "slip", wltc_class_3b().section(0.0, 1.0))
 
     def found(values: dict[str, float]) -> report.Merit:
-        return report.merit(simulate.Run(setup, STEP * np.arange(100), {name: np.full(100, one) for name, one in values.items()}, {}, 0, 1.0))
+        return report.merit(simulate.Run(STEP * np.arange(100), {name: np.full(100, one) for name, one in values.items()}, setup, {}, 0, 1.0))
 
     pump = (20e5 + 2e5) * 12e-6 * 50.0 / 0.85
     assert found(values) == pytest.approx((1e4, 200.0, pump, 20.0, 20e5, 0.98, 1.0 - (200.0 + pump) / (1e4 + pump), 50.0 * (200.0 + pump)))

@@ -246,7 +246,7 @@ def test_an_fmu_that_is_missing_is_named_before_anything_is_solved(
     fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("PUSHBELT_MAP_FMU", str(tmp_path / "none.fmu"))
-    monkeypatch.setattr("pushbelt.cli.commands._solved_maps", None)
+    monkeypatch.setattr("pushbelt.maps.__main__.main", None)
     for words, why in (([], "there is no FMU at .*none.fmu"), (["--fmu", str(fmu)], "no FMU of maps")):
         assert cli.main(["map-fmu", str(tmp_path / "copy.fmu"), "--variator", "belt155", *words]) == 1
         assert re.fullmatch(f"pushbelt map-fmu: .*{why}.*\n", capsys.readouterr().err) and not list(tmp_path.iterdir())

@@ -67,11 +67,11 @@ def test_what_the_library_lacks_is_named_with_its_extra(monkeypatch: pytest.Monk
     (tmp_path / "maps.nc").touch()
     grid = coarse.linear_grid([1.0], [40.0])
     monkeypatch.delitem(sys.modules, "pushbelt.maps.variator", raising=False)
-    for name in ("io", "interpolate"):
-        monkeypatch.setitem(sys.modules, f"scipy.{name}", None)
+    for name in ("scipy.io", "scipy.interpolate", "matplotlib"):
+        monkeypatch.setitem(sys.modules, name, None)
     for extra, use in (
         ("maps", lambda: pushbelt.MapVariator), ("maps", lambda: Maps.read(tmp_path / "maps.nc")),
-        ("control", lambda: grid.save(tmp_path / "models.mat")),
+        ("control", lambda: grid.save(tmp_path / "models.mat")), ("plots", lambda: coarse.steady(1.0, 40.0).plot()),
     ):  # fmt: skip
         with pytest.raises(pushbelt.MissingPackageError, match=rf"pip install 'pushbelt\[{extra}\]'"):
             use()

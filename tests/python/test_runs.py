@@ -103,13 +103,12 @@ def test_a_recording_has_its_columns_and_interval(fmu: Path) -> None:
             pushbelt.Record(**wrong)
 
 
-def test_reading_does_not_start_a_run(belt: Variator) -> None:
-    assert belt[TORQUE] == 50.0
-    for read in (lambda: belt["slip"], belt.profile, belt.snapshot, belt.linearize_here):
-        with pytest.raises(pushbelt.UnitError, match="before the start"):
-            read()
+def test_reading_an_output_starts_a_run_and_an_input_does_not(belt: Variator) -> None:
+    assert belt[TORQUE] == belt.inputs[TORQUE] == 50.0 and len(belt.outputs) == 0
     belt.set({"initial.ratio": 1.3})
-    assert belt.start()["ratio.geometric"] == pytest.approx(1.3, abs=1e-6)
+    assert belt["ratio.geometric"] == pytest.approx(1.3, abs=1e-6) and belt.time == 0.0 and len(belt.outputs) == 1
+    with pytest.raises(pushbelt.StartValueError, match="before the start"):
+        belt["initial.ratio"] = 1.2
 
 
 def test_a_reset_is_a_new_variator(belt: Variator) -> None:

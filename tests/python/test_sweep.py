@@ -19,12 +19,13 @@ from distributed import LocalCluster
 
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
-from pushbelt.study.run import Effort, Store, chunks
+from pushbelt.study.run import Effort, Progress, Store, chunks
+from pushbelt.study.run import solve as solve_all
 from pushbelt.study.tasks import Solver
-from pushbelt.sweep import Grid, Progress, Study, maps, report, sweep
+from pushbelt.sweep import maps, report
 from pushbelt.sweep.point import Row, solve
 from pushbelt.sweep.results import METADATA, table, write_parquet
-from pushbelt.sweep.study import AXES, rpm, variator
+from pushbelt.sweep.study import AXES, Grid, Study, rpm, variator
 
 PARAMETERS = variator("bench168", changes=MESH)
 GRID = Grid(friction=(0.07, 0.09), speed=(200.0,), ratio=(0.8, 1.0, 1.25), utilisation=(0.3, 0.5, 0.7, 1.2))
@@ -171,7 +172,6 @@ def test_maps_have_a_panel_for_each_friction_and_speed(study: Study) -> None:
     for figure in maps.sheets(maps.data_set(several.grid, table(several, made_up(several)))).values():
         titles = [axes.get_title(loc="left") for axes in figure.axes]
         assert titles[:4] == [f"μ = {m:g}, {n} rpm" for m in (0.07, 0.09) for n in (1000, 2000)]
-        maps.plt.close(figure)
 
 
 @pytest.fixture(scope="module")
@@ -240,7 +240,7 @@ def test_a_killed_worker_loses_nothing(study: Study, solved: dict[int, Row], tmp
                 os.kill(killed, signal.SIGKILL)
             reports.append(progress)
 
-        found = sweep(study, tmp_path / "out", scheduler=processes, chunk=2, progress=listen)
+        found = table(study, solve_all(study, tmp_path / "out", scheduler=processes, chunk=2, progress=listen))
         assert killed not in [worker.pid for worker in processes.workers.values()]
     assert (reports[-1].tasks, reports[-1].done, reports[-1].failed) == (24, 24, 6)
     assert found["point"].to_pylist() == list(range(24))

@@ -96,7 +96,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 @console.program("calibrate", "tables")
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None) -> int | console.Done:
     options = parser().parse_args(arguments)
     if options.template is not None:
         options.template.write_text(columns.template(), encoding="utf-8")
@@ -174,7 +174,7 @@ def sets(parameters: int) -> int:
     return 1 + ITERATIONS + 4 * parameters
 
 
-def _run(options: argparse.Namespace, rig: points.Rig) -> int:
+def _run(options: argparse.Namespace, rig: points.Rig) -> console.Done:
     require("tables")  # The help needs no packages of the extras.
     from . import model, report
     from .fit import fit
@@ -212,7 +212,7 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     for lost in results.lost.itertuples():
         print(f"  no steady state, not used: {lost.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
-    return 0 if not found.misfit or options.accept_misfit else MISFIT
+    return console.Done(0 if not found.misfit or options.accept_misfit else MISFIT, results)
 
 
 if __name__ == "__main__":

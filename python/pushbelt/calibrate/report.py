@@ -129,6 +129,11 @@ class Results:
         out = self.rows[~self.rows["kept"]].sort_values("relative", key=abs, ascending=False, kind="stable")
         self.outliers = out.drop_duplicates(["line", "time"]).sort_values(["line", "time"])
 
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Fitted values by name."""
+        return {one.parameter.name: one.value for one in self.fit.estimates}
+
 
 def sentence(estimate: Estimate) -> str:
     """Result for a parameter, in one line."""

@@ -10,6 +10,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import pushbelt
+
 from ..errors import ArgumentError, require, similar
 from ..fmu import cache, copies, flat, start_values
 from ..fmu.data import parameter_set
@@ -109,7 +111,8 @@ def write_map_fmu(options: argparse.Namespace) -> int:
     tried = map_unit.default_fmu() if description.fmiVersion == "3.0" else fmu
     if options.variator:
         require("sweep")
-        maps: Maps | bytes = _solved_maps(options.variator, options.copy.parent, short=options.short)
+        # Finished lines remain in a folder beside the FMU.
+        maps: Maps | bytes = pushbelt.maps(variator=options.variator, short=options.short, output=options.copy.parent / "pushbelt-maps")
     else:
         maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
     with TemporaryDirectory() as folder:
@@ -119,17 +122,6 @@ def write_map_fmu(options: argparse.Namespace) -> int:
     map_unit.write_fmu(options.copy, maps, fmu, dict(options.set))
     _print(options.copy, remarks)
     return 0
-
-
-def _solved_maps(variator: str, folder: Path, *, short: bool) -> Maps:
-    """The default maps of a parameter set, or a few lines of them. Finished lines remain in a folder beside the FMU."""
-    from ..maps import __main__
-
-    output = folder / "pushbelt-maps"
-    words = ["--fmu", str(default_fmu()), "--output", str(output), "--variator", variator, *["--short"] * short]
-    if __main__.main(words) != 0:
-        raise ArgumentError("there are no maps")
-    return Maps.read(output / "maps.nc")
 
 
 def show_cache(options: argparse.Namespace) -> int:

@@ -7,3 +7,7 @@ Data flow in each step of 10 ms:
 
 `measure` first solves for the FMU's steady states. `simulate` runs the loop, and `report` presents the results.
 """
+
+from pushbelt.calls import callable_module
+
+callable_module(__name__)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import dataclasses
 import sys
 import time
@@ -10,7 +11,7 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_ring, add_short, add_variator, program
-from pushbelt.errors import require
+from pushbelt.errors import ArgumentError, require
 
 from .cycle import CYCLES, CycleMissingError, wltc_class_3b
 from .vehicle import RANGES, demo_car
@@ -26,27 +27,30 @@ def default_cycle() -> str:
     return "wltc"
 
 
-@console.program("drive", "reports")
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = program("drive", __doc__, "report.html and the results")
-    add_short(parser, "30 s of the cycle and 10 s of close-up")
+def parser() -> argparse.ArgumentParser:
+    found = program("drive", __doc__, "report.html and the results")
+    add_short(found, "30 s of the cycle and 10 s of close-up")
     text = "which cycle; a file has the columns time [s] and speed [km/h] [default: wltc, or nedc without the package wltp of the WLTC]"
-    parser.add_argument("--cycle", metavar="wltc|nedc|FILE.csv", help=text)
-    parser.add_argument("--until", type=float, metavar="SECONDS", help="simulate only the first seconds of the cycle")
-    add_ring(parser)
+    found.add_argument("--cycle", metavar="wltc|nedc|FILE.csv", help=text)
+    found.add_argument("--until", type=float, metavar="SECONDS", help="simulate only the first seconds of the cycle")
+    add_ring(found)
     text = "factor on the secondary clamping force that both strategies demand [default: 1]"
-    parser.add_argument("--clamping", type=float, default=1.0, metavar="FACTOR", help=text)
-    add_variator(parser)
+    found.add_argument("--clamping", type=float, default=1.0, metavar="FACTOR", help=text)
+    add_variator(found)
     text = "maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
-    parser.add_argument("--maps", type=Path, metavar="FILE", help=text)
+    found.add_argument("--maps", type=Path, metavar="FILE", help=text)
     for name, (_, _, unit) in RANGES.items():
         shown = f"{name.replace('_', ' ')} of the car, {unit} [default: {getattr(demo_car(), name):g}]"
-        parser.add_argument(f"--{name.replace('_', '-')}", type=float, metavar="X", help=shown)
-    options = parser.parse_args(arguments)
+        found.add_argument(f"--{name.replace('_', '-')}", type=float, metavar="X", help=shown)
+    return found
+
+
+@console.program("drive", "reports")
+def main(arguments: Sequence[str] | None = None) -> console.Done:
+    options = parser().parse_args(arguments)
     if not 0.5 <= options.clamping <= 2.0:
-        parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
-    if options.cycle is None:
-        options.cycle = default_cycle()
+        raise ArgumentError(f"--clamping {options.clamping:g} is not within 0.5 to 2")
+    options.cycle = options.cycle or default_cycle()
     require("reports" if options.cycle in CYCLES else "tables")  # The help needs no packages of the extras.
     from . import report, runs
 
@@ -60,10 +64,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options.output.mkdir(parents=True, exist_ok=True)
     for run in results.runs:
         report.write_trace(run, results.units, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
-    path = options.output / "report.html"
-    report.write_html(results, path)
+    report.write_html(results, path := options.output / "report.html")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
-    return 0
+    return console.Done(0, results)
 
 
 if __name__ == "__main__":

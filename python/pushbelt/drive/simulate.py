@@ -12,7 +12,7 @@ import numpy as np
 from pushbelt.fmu.data import parameter_set, slip_torque
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.results import BeltState
+from pushbelt.fmu.results import BeltState, Trace
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 
 from . import vehicle
@@ -68,18 +68,15 @@ class Setup:
     and forces vary linearly to their new values at the end of the step."""
 
 
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, repr=False)
+class Run(Trace):
+    """Recorded signals by name, in SI units, over the time in the whole cycle, s."""
+
     setup: Setup
-    time: Array  # Time in the whole cycle, s, shape (n,)
-    columns: Mapping[str, Array]  # Recorded signals by name, each of shape (n,), in SI units
     snapshots: Mapping[float, BeltState]  # Fields along the belt by time in the whole cycle, s
     interventions: int
     processor_time: float  # Processor time of the run, s
     messages: tuple[str, ...] = field(default=())  # Warnings of the FMU
-
-    def __getitem__(self, name: str) -> Array:
-        return self.columns[name]
 
     def energies(self) -> dict[str, float]:
         """Work and losses over the run, J."""
@@ -133,7 +130,7 @@ def run(archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progres
     driven = np.abs(columns["speed.car"])
     columns["distance"] = setup.step * (np.cumsum(driven) - driven)
     time = setup.cycle.start + np.arange(len(rows)) * setup.step
-    return Run(setup, time, columns, snapshots, control.clamping.interventions, clock.process_time() - begin, messages)
+    return Run(time, columns, setup, snapshots, control.clamping.interventions, clock.process_time() - begin, messages)
 
 
 def _advance(

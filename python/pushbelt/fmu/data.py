@@ -28,6 +28,11 @@ SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
 BELT_LENGTH = 0.2, 5.0  # Range of the length of a belt, m
 
 
+def variators() -> dict[str, str]:
+    """Names of the published parameter sets, and what they are."""
+    return {path.stem: json.loads(path.read_text(encoding="utf-8"))["about"] for path in sorted((RESOURCES / "parameters").glob("*.json"))}
+
+
 @checks(name=file)
 def parameter_set(name: str | os.PathLike[str]) -> dict[str, float]:
     """Start values of the FMU for a variator, `bench168`, `belt155` or `chain168`, or from a file of that form, `….json`.
@@ -69,7 +74,7 @@ def _set_file(name: str) -> Path:
     is_file = name.endswith(".json")
     path = Path(name) if is_file else RESOURCES / "parameters" / f"{name}.json"
     if not path.is_file():
-        there = sorted(path.stem for path in (RESOURCES / "parameters").glob("*.json"))
+        there = variators()
         what, near = (f"no file {name}", "") if is_file else (f"no variator {name!r}", similar(name, there))
         raise MissingFileError(f"{what}; there are {', '.join(there)}, and files ….json{near}")
     return path

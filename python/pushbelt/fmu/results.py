@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import importlib.util
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arguments import checks, text, whole
 from ..errors import UnknownNameError, package, similar
 from .geometry import Array
 
@@ -27,8 +30,29 @@ def item(values: Mapping[str, Any], name: str, what: str, kind: str = "output") 
     return values[name]
 
 
+class Drawn:
+    """Results whose table can be drawn."""
+
+    to_dataframe: Callable[[], pandas.DataFrame]
+
+    def plot(self, *names: str, **options: Any) -> Any:
+        """Draws columns of the table over time or position, by default all; `options` are those of `pandas.DataFrame.plot`. Returns axes of
+        matplotlib. Needs `pushbelt[plots]`."""
+        package("matplotlib", "figures need matplotlib", "plots")
+        table = self.to_dataframe()
+        for name in names:
+            item(table, text("name", name), "table", "column")
+        table = table.set_index("position") if "position" in table else table
+        return table[list(names) or table.columns].plot(**{"subplots": True, **options})
+
+
+def in_notebook(thing: object, table: Callable[[], pandas.DataFrame]) -> str | None:
+    """What a notebook shows of an object: its line, and a table if pandas is installed."""
+    return f"<p>{escape(repr(thing))}</p>{table().to_html(float_format='{:.5g}'.format)}" if importlib.util.find_spec("pandas") else None
+
+
 @dataclass(frozen=True, repr=False)
-class Profile:
+class Profile(Drawn):
     """Fields along the belt, one value per place."""
 
     position: Array  # Place ξ on the ring's centre line, m
@@ -71,6 +95,13 @@ class BeltState:
         """A table with one row and a column for each output. Needs `pushbelt[maps]`."""
         return dataframe([self.outputs])
 
+    def plot(self, *names: str, **options: Any) -> Any:
+        """Draws the fields along the belt, as `Profile.plot`. Needs `pushbelt[plots]`."""
+        return self.profile.plot(*names, **options)
+
+    def _repr_html_(self) -> str | None:
+        return in_notebook(self, lambda: dataframe({"value": self.outputs}))
+
 
 @dataclass(frozen=True, repr=False)
 class SteadyState(BeltState):
@@ -93,6 +124,7 @@ class Bands:
         """Standard deviation of an output."""
         return float(item(self.spread, name, "state"))
 
+    @checks(name=text, count=whole)
     def largest(self, name: str, count: int = 3) -> dict[str, float]:
         """Parameters with the largest shares of the variance of an output, and these shares."""
         shares = item(self.chords, name, "state") ** 2
@@ -108,6 +140,9 @@ class Bands:
         """A row for each output: its value, its standard deviation, and the chord of each parameter. Needs `pushbelt[maps]`."""
         rows = {name: [self.outputs[name], self[name], *chords] for name, chords in self.chords.items()}
         return dataframe(rows).T.set_axis(["value", "deviation", *self.deviations], axis="columns")
+
+    def _repr_html_(self) -> str | None:
+        return in_notebook(self, self.to_dataframe)
 
 
 @dataclass(frozen=True)
@@ -131,7 +166,7 @@ class LoadCaseResult:
 
 
 @dataclass(frozen=True, repr=False)
-class Trace:
+class Trace(Drawn):
     """A simulated run: time and one column per variable, Booleans as 0 and 1."""
 
     time: Array
@@ -145,7 +180,7 @@ class Trace:
         return {name: float(np.interp(time, self.time, values)) for name, values in self.columns.items()}
 
     def __repr__(self) -> str:
-        return f"<Trace: {len(self.time)} times, {self.time[0]:.4g} to {self.time[-1]:.4g} s; {len(self.columns)} variables>"
+        return f"<{type(self).__name__}: {len(self.time)} times, {self.time[0]:.4g} to {self.time[-1]:.4g} s; {len(self.columns)} variables>"
 
     def to_dataframe(self) -> pandas.DataFrame:
         """A table over `time` (s) with a column for each variable. Needs `pushbelt[maps]`."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
+from ..arguments import refused
 from ..errors import PushbeltError, UnknownNameError, similar
 from ..whole_file import copy_archive
 from .results import dataframe
@@ -118,9 +119,9 @@ def _variable(variables: Mapping[str, Any], name: str, causalities: Collection[s
 
 
 def _value(variable: Any, value: Any) -> float:
-    found, fault = _read(variable, value)
+    found, wanted = _read(variable, value)
     if found is None:
-        raise StartValueError(f"{variable.name} {fault}")
+        raise StartValueError(refused(variable.name, value, wanted))
     low = -math.inf if variable.min is None else float(variable.min)
     high = math.inf if variable.max is None else float(variable.max)
     if not low <= found <= high:
@@ -130,27 +131,27 @@ def _value(variable: Any, value: Any) -> float:
 
 
 def _read(variable: Any, value: Any) -> tuple[float | None, str]:
-    """A value in the type of its variable, or None and why it is none."""
+    """A value in the type of its variable, or None and what is wanted."""
     if variable.type == "Boolean":
-        return TRUTH.get(str(value).strip().lower()), f"= {value!r} is neither true nor false"
+        return TRUTH.get(str(value).strip().lower()), "true or false"
     if variable.type == "Enumeration":
         items = {item.name: int(item.value) for item in variable.declaredType.items}
         numbers = {str(number): number for number in items.values()}
         whole = isinstance(value, (int, float)) and math.isfinite(value) and value == int(value)
         text = str(int(value)) if whole else str(value).removesuffix(".0")
         known = ", ".join(f"{name} ({number})" for name, number in items.items())
-        return items.get(text, numbers.get(text)), f"= {value!r} is not one of {known}"
+        return items.get(text, numbers.get(text)), f"one of {known}"
     if variable.type not in ("Real", "Integer"):
-        return None, f"has the type {variable.type} and cannot be set"
+        return None, f"of use: the type {variable.type} cannot be set"
     try:
         number = float(value)
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
-        return None, f"= {value!r} is not a finite number"
+        return None, "a finite number"
     if variable.type == "Real":
         return number, ""
-    return int(number) if number == int(number) else None, f"= {value!r} is not an integer"
+    return int(number) if number == int(number) else None, "an integer"
 
 
 # Parameter sets as SSV files (System Structure Parameter Values 1.0), which other tools read and write

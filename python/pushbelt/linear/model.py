@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arguments import checks, names, number, optional, refused, text
 from ..errors import ArgumentError, PushbeltError, package
-from ..fmu.results import item
+from ..fmu.results import dataframe, in_notebook, item
 
 if TYPE_CHECKING:
     import control
@@ -130,10 +131,8 @@ class LinearModel:
         grown = expm(times[..., None, None] * whole)
         return grown[..., :n, :n], grown[..., :n, n:]
 
-    ad = property(lambda self: self.discrete()[0], doc="A in discrete time.")
-    bd = property(lambda self: self.discrete()[1], doc="B in discrete time.")
-    cd = property(lambda self: self.discrete()[2], doc="C in discrete time: C.")
-    dd = property(lambda self: self.discrete()[3], doc="D in discrete time: D.")
+    A, B, C, D = (property(attrgetter(name), doc=f"The matrix `{name}`.") for name in "abcd")
+    ad, bd, cd, dd = (property(lambda self, k=k: self.discrete()[k], doc=f"{name} in discrete time.") for k, name in enumerate("ABCD"))  # type: ignore[misc]
 
     @checks(outputs=optional(names), inputs=optional(names))
     def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
@@ -170,7 +169,8 @@ class LinearModel:
         return self.c @ self._held(np.atleast_1d(times))[1] + self.d
 
     def to_control(self) -> control.StateSpace:
-        """The model as a `StateSpace` of python-control, with the names of inputs, outputs and states. Needs `pushbelt[control]`.
+        """The model as a `StateSpace` of python-control, `variator`, with the names of inputs, outputs and states and `_` for their dots. Needs
+        `pushbelt[control]`.
 
         With a sample time it is the system in discrete time.
         """
@@ -178,7 +178,11 @@ class LinearModel:
         # In python-control a dot in a name separates the system from its signal.
         plain = {key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")}
         matrices = (self.a, self.b, self.c, self.d) if self.sample_time is None else (*self.discrete(), self.sample_time)
-        return ss(*matrices, **plain)
+        return ss(*matrices, name="variator", **plain)
+
+    def _repr_html_(self) -> str | None:
+        rows, columns = (*self.states, *self.outputs), (*self.states, *self.inputs)
+        return in_notebook(self, lambda: dataframe(np.block([[self.a, self.b], [self.c, self.d]])).set_axis(rows).set_axis(columns, axis="columns"))
 
 
 def _solved(matrix: NDArray[np.complex128], right: Array) -> NDArray[Any]:

@@ -55,8 +55,7 @@ class Asked(NamedTuple):
         of speed or force is not an axis. Without a force or a safety factor the force is that of the variator's inputs."""
         found: dict[str, Any] = {axis: self.points.get(name, [variator[name]]) for name, axis in AXES.items()}
         found |= {axis: found[axis][0] for axis in ("speed", "force") if len(found[axis]) == 1}
-        found |= {"ratios": found.pop("ratio"), "torques": found.pop("torque"), "safety": self.safety}
-        return found if FORCE in self.points else found | {"force": None}
+        return found | {"safety": self.safety} | ({} if FORCE in self.points else {"force": None})
 
 
 def asked(settings: Sequence[str], safety: float | None = None) -> Asked:

@@ -5,3 +5,7 @@
 
 `unit` and `variator` are variators from maps, as an FMU and in numpy.
 """
+
+from pushbelt.calls import callable_module
+
+callable_module(__name__)

@@ -37,7 +37,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 @console.program("maps", "sweep")
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None) -> int | console.Done:
     options = parser().parse_args(arguments)
     require("sweep")
     given = {name: getattr(options, name) for name in (*GIVEN, "ratios") if getattr(options, name) is not None}
@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     path = report.write(maps, options.output, effort, beside)
     gaps = int((~maps.valid).sum())
     print(f"{path.resolve()} ({maps.valid.size} points, {gaps} without a steady state, {effort})")
-    return 0
+    return console.Done(0, maps)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 from zipfile import BadZipFile
 from zlib import error
 
@@ -23,6 +23,9 @@ from ..arguments import path as a_path
 from ..errors import PushbeltError, package
 from ..fmu.geometry import Array
 from ..fmu.results import item
+
+if TYPE_CHECKING:
+    import xarray
 
 VERSION = 1  # Version of the files' content
 STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
@@ -136,6 +139,23 @@ class Maps:
             raise MapError(f"the table {name} is not over the points")
         return np.where(self.valid, self[name], np.nan)
 
+    def to_xarray(self) -> xarray.Dataset:
+        """The tables as an xarray data set with `units` and `long_name`. Needs `pushbelt[maps]`."""
+        dataset = package("xarray", "to_xarray needs xarray", "maps").Dataset
+        kinds: Mapping[str, Axis | Quantity] = {**AXES, **TABLES}
+        about: dict[str, dict[str, Any]] = {name: {"units": one.unit, "long_name": one.description} for name, one in kinds.items()}
+        tables = {name: (one.axes, self[name], about[name]) for name, one in TABLES.items()}
+        about["state"] |= {"flag_values": np.arange(len(STATES), dtype=float), "flag_meanings": " ".join(STATES)}
+        return dataset(tables, {name: (name, values, about[name]) for name, values in self.axes.items()}, self.source)
+
+    @checks(name=text)
+    def plot(self, name: str = "thrustRatio", **options: Any) -> Any:
+        """Draws a table over the points with the axes of `options`, by default over ratio and utilisation for each force and speed. Needs
+        `pushbelt[plots]`."""
+        package("matplotlib", "figures need matplotlib", "plots")
+        values = self.masked(name)
+        return self.to_xarray()[name].copy(data=values).plot(**{"x": "utilisation", "y": "ratio", "row": "force", "col": "speed", **options})
+
     @cached_property
     def identity(self) -> str:
         """Hash of axes, tables and parameters."""
@@ -205,21 +225,9 @@ class Maps:
 
     def _write_netcdf(self, path: Path) -> None:
         """NetCDF-3 with coordinate variables, units and CF flag attributes."""
-        with package("scipy.io", ".nc files need scipy", "maps").netcdf_file(path, "w", version=2) as file:
-            file.title = b"Steady states and shift rates of a pushbelt variator"
-            file.format_version = np.int32(VERSION)
-            for name, text in self._about().items():
-                setattr(file, name, text.encode())
-            for name in AXES:
-                file.createDimension(name, len(self.axes[name]))
-            about: Any
-            for name, about in {**AXES, **TABLES}.items():
-                variable = file.createVariable(name, "d", (name,) if name in AXES else TABLES[name].axes)
-                variable[:] = self.axes[name] if name in AXES else self.tables[name]
-                variable.units, variable.long_name = about.unit.encode(), about.description.encode()
-                if name == "state":
-                    variable.flag_values = np.arange(len(STATES), dtype=float)
-                    variable.flag_meanings = " ".join(STATES).encode()
+        title = "Steady states and shift rates of a pushbelt variator"
+        about = {"title": title, "format_version": np.int32(VERSION), **self._about()}
+        self.to_xarray().assign_attrs(about).to_netcdf(path, format="NETCDF3_64BIT", engine="scipy")
 
 
 def _of_suffix(path: Path, functions: Mapping[str, Callable[[Path], Any]]) -> Callable[[Path], Any]:

@@ -61,9 +61,7 @@ def _combitable_text(maps: Maps, path: Path) -> None:
 
 def _points(maps: Maps) -> pandas.DataFrame:
     """A row for each point: the axes, and all tables over points."""
-    names = [name for name, quantity in TABLES.items() if quantity.axes == POINT]
-    axes = np.meshgrid(*(maps.axes[name] for name in POINT), indexing="ij")
-    return pandas.DataFrame(dict(zip(POINT, map(np.ravel, axes), strict=True)) | {name: maps[name].ravel() for name in names})
+    return maps.to_xarray()[[name for name, quantity in TABLES.items() if quantity.axes == POINT]].to_dataframe().reset_index()
 
 
 def _csv(maps: Maps, path: Path) -> None:

@@ -45,7 +45,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 @console.program("sweep", "sweep")
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None) -> int | console.Done:
     options = parser().parse_args(arguments)
     require("sweep" if options.slurm is None else "slurm")
     if options.slurm is None and options.print_job:
@@ -90,7 +90,7 @@ def _study(options: argparse.Namespace) -> Study:
     return Study(options.fmu, variator(options.variator, options.ring, dict(options.set), grid.columns), grid)
 
 
-def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> int:
+def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> console.Done:
     # Imported here, so that the help needs no packages of the extras, and processes of a local cluster none of the report.
     from pushbelt.study.run import from_command_line
 
@@ -105,7 +105,9 @@ def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> int:
     path = report.write(study, results, options.output, effort)
     failed = len(results) - results["reason"].null_count
     print(f"{path.resolve()} ({len(results)} points, {failed} without a steady state, {effort})")
-    return 0 if failed < len(results) else 1
+    found = results.to_pandas()
+    found.attrs["units"] = {one.name: one.metadata[b"unit"].decode() for one in results.schema}
+    return console.Done(0 if failed < len(results) else 1, found)
 
 
 if __name__ == "__main__":

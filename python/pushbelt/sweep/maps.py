@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import itertools
-
-import matplotlib
-
-matplotlib.use("Agg")
-
 from typing import Any
 
-import matplotlib.pyplot as plt
+import matplotlib
 import numpy as np
 import pandas
 import pyarrow as pa
 import xarray
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure
 
@@ -46,13 +42,13 @@ def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
     middle = middle_of(levels)
     # Beyond the first and the last level there is one more colour.
     stops = None if middle is None else colour_stops((middle + 1) / (len(levels) + 1))
-    colours = plt.get_cmap("viridis") if stops is None else LinearSegmentedColormap.from_list("diverging", stops)
+    colours = matplotlib.colormaps["viridis"] if stops is None else LinearSegmentedColormap.from_list("diverging", stops)
     norm = BoundaryNorm(levels, colours.N, extend="both")
     rows, columns = results.sizes["friction"], results.sizes["speed"]
-    with plt.rc_context(STYLE):
+    with matplotlib.rc_context(STYLE):
         size = (2.45 * columns + 1.4, 2.15 * rows + 0.5)
-        panels: Any
-        figure, panels = plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained")
+        figure = Figure(size, layout="constrained")
+        panels: Any = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for m, n in np.ndindex(rows, columns):
             axes, one = panels[m, n], results.isel(friction=m, speed=n).transpose("utilisation", "ratio")
             values = (quantity.scale * one[quantity.column]).to_masked_array()
@@ -72,7 +68,7 @@ def maps(results: xarray.Dataset, quantity: Quantity) -> Figure:
             axes.set(facecolor="#f1f3f5", xmargin=0.0, ymargin=0.0)
         figure.supxlabel("ratio $r_S/r_P$", fontsize=9)
         figure.supylabel("torque utilisation", fontsize=9)
-        shown, shrink = plt.cm.ScalarMappable(norm, colours), min(1.0, 1.6 / rows)
+        shown, shrink = ScalarMappable(norm, colours), min(1.0, 1.6 / rows)
         bar = figure.colorbar(shown, ax=panels, shrink=shrink, aspect=32, pad=0.015, ticks=levels)
         bar.ax.set_yticklabels([f"{level:g}" for level in levels])
         bar.set_label(quantity.heading)

@@ -8,7 +8,6 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas
 import pyarrow as pa
@@ -153,7 +152,6 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
         old.unlink()
     for name, figure in maps.sheets(results).items():
         figure.savefig(pictures / f"{name}.png", dpi=PICTURE_DPI)
-        plt.close(figure)
     write_html("sweep/sweep.html.j2", context | _of_grid(study, results), path)
     return path
 
