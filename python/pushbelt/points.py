@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,8 @@ from .fmu import capacity
 from .fmu import unit as calls
 from .fmu.closing import closed_by, closing_at
 from .fmu.data import clamping_force, parameter_deviations, pitch_radius, torque_capacity
-from .fmu.results import Bands, SteadyState, item
+from .fmu.bands import bands
+from .fmu.results import Bands, SteadyState, dataframe, item
 from .fmu.start_values import StartValueError, Variables, checked
 from .fmu.steady import SteadyStates, driven_by_torque
 from .fmu.unit import Archive, UnitError
@@ -23,6 +25,7 @@ from .linear.model import LinearModel, LinearPointError
 from .linear.physical import NotPhysicalError, with_enough_modes
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 SPEED, SAFETY = 200.0, 1.3  # Default primary speed of a steady state, rad/s, and safety factor of its clamping force
@@ -31,6 +34,9 @@ MOST_STATES = 3  # Largest number of steady states that are solved for a clampin
 SAME_FORCE = 0.01  # Relative change below which a clamping force with `SAFETY` is not improved further
 OVERRUN = 0.5  # Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger
 FREQUENCY = 50.0  # Default frequency, Hz, below which modes are states of a linear model
+HELD = {"ratio": "", "speed ratio": "ratio.speed", "forces": "primary.axialForce"}
+"""What changed steady states keep, and the output that the ratio then keeps constant."""
+STEP = 1e-6  # Relative step of the derivatives of start values with respect to a point, in which they are nearly linear
 STATES = ("modal", "physical")  # Kinds of states of a linear model
 
 
@@ -205,27 +211,56 @@ class WorkingPoints:
         """Outputs of the steady state of `steady`, with standard deviations.
 
         `deviations` has those of parameters in their units, by default those of this variator's parameter set, and of `ratio`, `torque`,
-        `speed` and `force`. Each is changed alone, by plus and by minus one of them. With small ones the chords are the gradient.
-        Raises SteadyStateError as `steady`, also for a changed parameter.
+        `speed` and `force`. Each is changed alone, by plus and by minus one of them; near the capacity samples are drawn, too.
+        Raises SteadyStateError as `steady`.
         """
         if deviations is None:
             deviations = parameter_deviations(self.name)
-        point, chords = self._point(self._values, ratio, torque, speed, force, safety), []
+        point = self._point(self._values, ratio, torque, speed, force, safety)
+        for name in deviations.keys() - set(Point._fields):
+            item(self._values, name, "variator", "parameter")
+        try:
+            return bands(self._states, lambda changes: self._changed(self._values, point, changes), deviations)
+        except (StartValueError, UnitError) as error:
+            raise SteadyStateError(f"no steady state {point}: {error}") from error
 
-        def solved(name: str = "", more: float = 0.0, near: bytes = b"") -> calls.Instance:
-            there, values = point, self._values
+    def _changed(self, values: Values, point: Point, changes: Mapping[str, float]) -> dict[str, Any]:
+        """Start values of a steady state with changes of parameters, within their ranges, and of the point."""
+        values, there = dict(values), point
+        for name, more in changes.items():
             if name in Point._fields:
-                there = point._replace(**{name: getattr(point, name) + more})
-            elif name:
-                values = {**values, name: item(values, name, "variator", "parameter") + more}
-            return self._solved(driven_by_torque(values, there.ratio, there.speed, there.torque, there.force), there, near)
+                there = there._replace(**{name: getattr(there, name) + more})
+                continue
+            of = self._declared[name]
+            low, high = (end if given is None else float(given) for end, given in ((-np.inf, of.min), (np.inf, of.max)))
+            values[name] = min(max(values[name] + more, low), high)
+        held = driven_by_torque(values, there.ratio, there.speed, there.torque, there.force)
+        return checked(self._declared, {**held, "initial.equilibrium": False})
 
-        unit = solved()
-        outputs, near = unit.outputs(), unit.state()
-        for name, deviation in deviations.items():
-            above, below = (solved(name, sign * deviation, near).outputs() for sign in (1.0, -1.0))
-            chords.append([0.5 * (above[output] - below[output]) for output in outputs])
-        return Bands(outputs, dict(deviations), dict(zip(outputs, np.array(chords).reshape(-1, len(outputs)).T, strict=True)))
+    def _gradient(self, values: Values, point: Point, names: Iterable[str], hold: str) -> pandas.DataFrame:
+        """`SteadyState.gradient` at a point."""
+        if hold not in HELD:
+            raise ArgumentError(refused("hold", hold, f"one of {', '.join(HELD)}"))
+        columns: dict[str, dict[str, float]] = {}
+        for name in dict.fromkeys([*names, *(["ratio"] if hold != "ratio" else [])]):
+            columns[name] = {name: 1.0}
+            if name in Point._fields:
+                step = STEP * (abs(getattr(point, name)) or 1.0)
+                above, below = (self._changed(values, point, {name: sign * step}) for sign in (1.0, -1.0))
+                columns[name] = {of: 0.5 * (above[of] - below[of]) / step for of in above if above[of] != below[of]}
+            else:
+                item(values, name, "variator", "parameter")
+        variables = list(dict.fromkeys(name for rates in columns.values() for name in rates))
+        found = self._states.at(self._changed(values, point, {})).gradient(variables)
+        units = {one["name"]: one["unit"] for one in (*found["outputs"], *found["variables"])} | dict(zip(Point._fields, ("1", "N.m", "rad/s", "N"), strict=True))
+        slopes = dataframe(found["gradient"]).astype(float).set_axis(variables, axis="columns").set_axis([one["name"] for one in found["outputs"]])
+        table = dataframe({name: sum(rate * slopes[of] for of, rate in rates.items()) for name, rates in columns.items()})
+        if hold != "ratio":
+            # The ratio follows: dy = ∂y/∂p dp + ∂y/∂i di, where di keeps what is held.
+            row = table.loc[HELD[hold]]
+            table = (table - np.outer(table["ratio"], row / row["ratio"])).drop(columns="ratio")
+        table.attrs = {"held": hold, "units": {name: units[name] for name in (*table.index, *table.columns)}}
+        return table
 
     def _point(self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float | None) -> Point:
         """A point with the given force, that of a safety factor, or that of the inputs among the values."""
@@ -243,7 +278,8 @@ class WorkingPoints:
         if why := capacity.excessive_speed(values, point.ratio, point.speed):
             warn(why)
         unit = self._solved(held, point, near)
-        state = SteadyState(unit.outputs(), unit.profile(), unit.get("secondary.externalTorque"))
+        derivatives = partial(self._gradient, values, point)
+        state = SteadyState(unit.outputs(), unit.profile(), unit.get("secondary.externalTorque"), derivatives)
         if state["pastPeak"]:
             raise SteadyStateError(f"the belt slips through {point}, past the peak of its traction: its torque utilisation is {state['torqueUtilisation']:.2f}")
         self._last_steady = (held, state)

@@ -22,28 +22,29 @@ def bands(states: SteadyStates, start_values: Callable[[Mapping[str, float]], St
     """Outputs at `start_values({})`, and their standard deviations by `deviations`, from which `start_values` adds some.
 
     An output that depends on each x, in standard deviations, as a x + b x² has the deviation √Σ(a² + 2 b²). Where b contributes much, or near
-    the capacity, samples of independent normal distributions replace it. Raises UnitError without a steady state at one deviation.
+    the capacity, that of samples of independent normal distributions replaces it. Raises UnitError without a steady state.
     """
     unit = states.at(start_values({}))
     outputs, near = unit.outputs(), unit.state()
     middle, lost = np.array(list(outputs.values())), np.nan
 
     def at(changes: Mapping[str, float]) -> np.ndarray:
-        return np.array(list(states.at(start_values(changes), near).outputs().values()))
+        try:
+            return np.array(list(states.at(start_values(changes), near).outputs().values()))
+        except UnitError:
+            return np.full(len(middle), np.nan)
 
-    pairs = np.array([[at({name: sign * deviation}) for sign in (1.0, -1.0)] for name, deviation in deviations.items()])
-    pairs = pairs.reshape(-1, 2, len(middle))
-    chords, curvatures = 0.5 * (pairs[:, 0] - pairs[:, 1]), 0.5 * (pairs[:, 0] + pairs[:, 1]) - middle
+    pairs = [[at({name: sign * deviation}) for sign in (1.0, -1.0)] for name, deviation in deviations.items()]
+    above, below = np.reshape(pairs, (-1, 2, len(middle))).transpose(1, 0, 2) - middle
+    found = np.isfinite(above) & np.isfinite(below)
+    # Without a steady state on one side the other one is the chord.
+    chords = np.nan_to_num(np.where(found, 0.5 * (above - below), np.where(np.isfinite(above), above, -below)))
+    curvatures = np.where(found, 0.5 * (above + below), 0.0)
     linear, curved = np.linalg.norm(chords, axis=0), 2.0**0.5 * np.linalg.norm(curvatures, axis=0)
-    spread = np.hypot(linear, curved)
-    named = [list(outputs).index(name) for name in NAMED]
-    if outputs["torqueUtilisation"] > LINEAR_UTILISATION or (curved > LINEAR * linear)[named].any():
-        random, found = np.random.default_rng(0), []
-        for _ in range(SAMPLES):
-            try:
-                found.append(at({name: deviation * random.standard_normal() for name, deviation in deviations.items()}))
-            except UnitError:
-                continue
-        lost = 1.0 - len(found) / SAMPLES
-        spread = np.std(found, axis=0, ddof=1) if len(found) > 1 else np.full(len(middle), np.nan)
+    spread, named = np.hypot(linear, curved), [list(outputs).index(name) for name in NAMED]
+    if not found.all() or outputs["torqueUtilisation"] > LINEAR_UTILISATION or (curved > LINEAR * linear)[named].any():
+        draws = np.random.default_rng(0).standard_normal((SAMPLES, len(deviations)))
+        samples = np.array([at(dict(zip(deviations, draw * list(deviations.values()), strict=True))) for draw in draws])
+        kept = np.isfinite(samples).all(axis=1)
+        spread, lost = np.std(samples[kept], axis=0, ddof=1), 1.0 - float(kept.mean())
     return Bands(outputs, dict(deviations), dict(zip(outputs, chords.T, strict=True)), dict(zip(outputs, spread.tolist(), strict=True)), lost)

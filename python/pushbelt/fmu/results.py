@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..arguments import checks, text, whole
-from ..errors import UnknownNameError, package, similar
+from ..errors import ArgumentError, UnknownNameError, package, similar
 from .geometry import Array
 
 if TYPE_CHECKING:
@@ -108,6 +108,21 @@ class SteadyState(BeltState):
     """A steady state of the FMU at a specified belt torque."""
 
     load_torque: float  # Secondary torque of the steady state, N·m
+    derivatives: Callable[[Iterable[str], str], pandas.DataFrame] | None = field(default=None, repr=False, compare=False)
+
+    def gradient(self, names: Iterable[str], *, hold: str = "ratio") -> pandas.DataFrame:
+        """Derivatives of the outputs (rows) over real parameters, inputs, and `ratio`, `torque`, `speed` and `force` (columns), SI units.
+
+        The changed states keep the geometric ratio, or with `hold` the `speed ratio` or both `forces`. An output without a derivative,
+        such as an extreme along the belt, has NaN. `attrs` has the units. Raises UnknownNameError for a wrong name, UnitError if the belt
+        slips through, and ArgumentError for a stored state. Needs `pushbelt[maps]`.
+        """
+        if self.derivatives is None:
+            raise ArgumentError("a state that was stored or solved by a program has no gradient: use that of Variator.steady")
+        return self.derivatives([names] if isinstance(names, str) else names, hold)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "derivatives": None}
 
 
 @dataclass(frozen=True, repr=False)
