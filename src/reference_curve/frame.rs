@@ -1,24 +1,18 @@
 //! The curve around two pulleys with arcs about displaced centres, and its derivatives along a path
 //! of its coordinates.
 //!
-//! On a tilted sheave, elements of constant penetration are at ϱ = R/(1 + (ψ_x cos θ + ψ_y sin
-//! θ)/tan β), to first order a circle about a displaced centre. The curve about centres at the
-//! distance d_A + a is that of two pulleys, turned clockwise by an angle γ and shifted by s:
+//! The curve about centres at the distance d_A + a is that of two pulleys, turned clockwise by an
+//! angle γ and shifted by s: r(ξ, Θ, a, γ, s) = M + s + Γ(γ) (r₀(ξ, Θ, d_A + a) − M), M the middle
+//! between the axes. A ring that stretches grows by δ along its outward normal: its arcs have the
+//! radii r_P + δ and r_S + δ. ξ remains the length along the curve without growth, so |r'| = 1 +
+//! δκ, with κ the turning per dξ.
 //!
-//! r(ξ, Θ, a, γ, s) = M + s + Γ(γ) (r₀(ξ, Θ, d_A + a) − M), M the middle between the axes.
+//! Of the derivatives only ∂/∂a is new: the closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a =
+//! −(b/d)/W, W = π − φ + i φ; the derivatives of φ and b cancel.
 //!
-//! A ring that stretches grows by δ along its outward normal: its arcs have the radii r_P + δ and
-//! r_S + δ, and the loop is longer by 2πδ. ξ remains the length along the curve without growth, so
-//! |r'| = 1 + δκ, with κ the turning per dξ.
-//!
-//! The six coordinates are Θ, spread a, turn γ, shift s (two) and growth δ; both centres are free.
-//! Of their derivatives only ∂/∂a is new. The closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a =
-//! −(b/d)/W, W = π − φ + i φ: the derivatives of φ and b cancel.
-//!
-//! A motion is a path through these coordinates. A frame holds derivatives along a path:
-//! derivatives with respect to Θ on the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the
-//! rates of a motion. The projection of forces uses the first derivatives with respect to each
-//! coordinate: [`CoordinateDerivatives`].
+//! A frame holds derivatives along a path through the six coordinates: those with respect to Θ on
+//! the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the rates of a motion. The projection
+//! of forces uses the first derivatives with respect to each coordinate: [`CoordinateDerivatives`].
 
 use super::{Jet, ReferencePoint, TwoPulley};
 use crate::scalar::{Real, turn_right};
