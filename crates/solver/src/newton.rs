@@ -477,10 +477,9 @@ impl Newton {
 
     /// Moves along the correction to a point that the natural monotonicity test accepts (Deuflhard,
     /// Newton Methods for Nonlinear Problems, 2011, section 3.3): the simplified correction there
-    /// is smaller. Returns whether that is the whole step. A shorter one ends, by bisection, where
-    /// the correction no longer points along the step: where an arc slides the other way with all
-    /// its cells at once, the correction beyond leads back. The residual there is known, and after
-    /// a whole step the correction.
+    /// is smaller. Returns whether that is the whole step, after which the correction is known; the
+    /// residual is in any case. A shorter one ends, by bisection, where the correction no longer
+    /// points along the step: beyond, where an arc slides the other way, it leads back.
     fn search(&mut self, system: &mut impl System, stage: &mut Stage) -> Result<bool, Unsolved> {
         let norm = self.norm();
         if !norm.is_finite() {

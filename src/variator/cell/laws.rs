@@ -1,12 +1,9 @@
 //! The constitutive laws of a cell: flanks, friction between ring and elements, stack. Their
 //! tangents change by orders of magnitude where a gap closes or a cell begins to slide. The
-//! contribution of a law to the derivatives of the balance is a sum of products L S R:
-//!
-//! - R, the derivative of an argument in a direction, and L, the derivative of the rows with
-//!   respect to a force: geometry.
-//! - S, the tangents: derivatives of the forces with respect to their arguments.
-//!
-//! While the geometry has hardly changed, an update of S alone yields the current derivatives
+//! contribution of a law to the derivatives of the balance is a sum of products L S R: R, the
+//! derivative of an argument in a direction, and L, that of the rows with respect to a force, are
+//! geometry; S, the tangents, are derivatives of the forces with respect to their arguments. While
+//! the geometry has hardly changed, an update of S alone yields the current derivatives
 //! ([`Derivatives`](crate::variator::assembly::derivatives::Derivatives)).
 
 use crate::contact::{FlankMotion, flank_force};

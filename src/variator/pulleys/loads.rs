@@ -27,10 +27,9 @@ pub enum SheaveMode {
 pub(crate) const PSEUDO_INERTIA: f64 = 40.0;
 
 /// Time in which the reaction force of a steady solution is corrected, and in which its sheaves
-/// tilt, s. A soft sheave with its own time of milliseconds oscillates against the spring of Θ: of
+/// tilt, s: a soft sheave with its own time of milliseconds oscillates against the spring of Θ. Of
 /// 126 starts with soft sheaves 14 are not found, with this time 8, with twice 2. But twice takes
-/// five times the work where a torque is far beyond capacity, and with ten times states at small
-/// forces on coarse meshes are not found.
+/// five times the work where a torque is far beyond capacity.
 pub(crate) const FORCE_TIME: f64 = 0.02;
 
 /// Stiffness of the spring that holds the ratio of a steady solution, N per unit of Θ: a clamping

@@ -1,10 +1,5 @@
-//! Equations of motion of the pulleys:
-//!
-//! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1; F of clamp
-//!   and [cylinder](crate::cylinder),
-//! - tilt of one sheave: (M/a)(ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ), see [`tilt`](crate::tilt),
-//! - rotation: J ω̇ = T + belt torque − T_d, or τ_ω ω̇ = ω_set − ω in speed drive; T_d is the
-//!   [drag](crate::shaft) of the shaft.
+//! Equations of motion of the pulleys (`docs/theory.md`, (6.1) to (6.4)): z closes the pulley, 0 at
+//! ratio 1.
 
 use super::loads::{Boundary, FORCE_TIME, PSEUDO_INERTIA, RATIO_STIFFNESS, ShaftMode, SheaveMode};
 use crate::pulley::{PerPulley, Pulley, StopForce, Travel};

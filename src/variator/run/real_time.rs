@@ -1,9 +1,7 @@
 //! Real time: the accurate integrator with a bound on the work of each millisecond ([`REAL_TIME`]),
-//! in short steps of one length.
-//!
-//! A step that takes more than the remaining work stays open and continues in the next millisecond:
-//! the run is then behind the clock, and its inputs wait. Unused work makes up for it later. A step
-//! without a solution is begun again with half the length.
+//! in short steps of one length. A step that takes more stays open and continues in the next
+//! millisecond: the run is then behind the clock, and its inputs wait. Unused work makes up for it
+//! later. A step without a solution is begun again with half the length.
 
 use super::simulation::Simulation;
 use super::tuning::REAL_TIME;

@@ -186,10 +186,9 @@ impl Simulation {
     }
 
     /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction does
-    /// not determine the forces of a belt at rest, so they are those of the motion before. Returns
-    /// none where the belt may not creep; with a warning, where there is no such state; and where
-    /// both sheaves are under force and friction holds the torques: a belt that crept would roll
-    /// back.
+    /// not determine the forces of a belt at rest. Returns none where the belt may not creep; with
+    /// a warning, where there is no such state; and where both sheaves are under force and friction
+    /// holds the torques: a belt that crept would roll back.
     fn stop_creeping(&mut self, start: &Start) -> Result<Option<StartState>, InitialisationError> {
         if !self.may_creep(start) {
             return Ok(None);
@@ -301,10 +300,10 @@ impl Simulation {
     }
 
     /// Stops belt and shafts where they are, and holds the shafts while the clamping forces act.
-    /// Positions, the distribution of the elements, ring tension and push force remain. Friction
-    /// depends on the sliding speed: it returns within microseconds. Where both sheaves are under
-    /// force, the clamping force replaces the one that held the ratio. Between held sheaves the
-    /// belt loses tension, 6 % in 10 ms, so it stands for a part of the soft start only.
+    /// Friction depends on the sliding speed: it returns within microseconds. Where both sheaves
+    /// are under force, the clamping force replaces the one that held the ratio. Between held
+    /// sheaves the belt loses tension, 6 % in 10 ms, so it stands for a part of the soft start
+    /// only.
     fn bring_to_rest(&mut self) -> Result<(), StepError> {
         let belt = &self.system.belt;
         let shafts = Pulley::BOTH.map(|pulley| belt.layout.shaft_speed(pulley));

@@ -98,10 +98,8 @@ pub const SOFT_START: SoftStart = SoftStart {
 pub const STANDSTILL: f64 = 1.0e-3;
 
 /// Speed of the primary pulley, rad/s, and friction velocity, m/s, of the belt that creeps into a
-/// standstill. The axial force is within 2 % of that at half and at double the speed: sliding
-/// speeds are far above the friction velocity, a centrifugal tension of some 2 N is far below the
-/// ring's, and the oil between the elements transmits as much as in a belt that slows down. Half:
-/// +3, +4 and +2, +3; twice: -3, -3 and -4, -2.
+/// standstill. The axial force is within 2 % of that at half and at double the speed. Half: +3, +4
+/// and +2, +3; twice: -3, -3 and -4, -2.
 pub const CREEP_SPEED: f64 = 20.0;
 pub const CREEP_VELOCITY: f64 = 5.0e-5;
 

@@ -1,9 +1,6 @@
 //! The time of an instance: that of the importer, and that of its unit, which counts from the start
-//! of the run.
-//!
-//! Doubles near 1.7e9 s are 0.2 µs apart: a unit that counts from its start keeps its digits at any
-//! time of the importer. Where the importer's times are too coarse for its steps, the unit's time
-//! is the sum of these steps.
+//! of the run and so keeps its digits: doubles near 1.7e9 s are 0.2 µs apart. Where the importer's
+//! times are too coarse for its steps, the unit's time is the sum of these steps.
 
 use super::{CallError, refused};
 use pushbelt_archive::Archive;
