@@ -95,7 +95,6 @@ impl Point {
         (sliding / self.capacity(sliding).sliding).abs() > 1.0
     }
 
-    /// Capacity of forward running in the direction of a sliding speed.
     #[inline(always)]
     fn capacity(&self, sliding: f64) -> Capacity {
         if sliding >= 0.0 {
@@ -112,7 +111,6 @@ impl Point {
     }
 }
 
-/// Utilisation and sliding speed at capacity, m/s.
 #[derive(Clone, Copy, Debug, Default)]
 struct Capacity {
     utilisation: f64,

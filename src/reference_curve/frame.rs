@@ -119,7 +119,6 @@ pub struct TwoPulleyFrame<T: Real> {
     d_shape: [ShapeDerivatives<T>; OF_SHAPE],
 }
 
-/// Derivatives with respect to a coordinate of the shape.
 #[derive(Clone, Copy, Debug)]
 struct ShapeDerivatives<T: Real> {
     centers: [Vector2<T>; 2],

@@ -67,7 +67,6 @@ impl TwoPulley {
         self.length
     }
 
-    /// Closure (27) at ratio `ratio`.
     fn closure(&self, r_p: f64, ratio: f64) -> Closure {
         let (d, difference) = (self.center_distance, r_p - ratio * r_p);
         let phi = (difference / d).acos();
@@ -82,8 +81,7 @@ impl TwoPulley {
     /// r_P at ratio `ratio`, m; NaN where there is none.
     pub(super) fn primary_radius(&self, ratio: f64) -> f64 {
         // L = 2d_A + π(r_P + r_S) + d_A (x² + x⁴/12 + x⁶/40 + …) with x = (r_P − r_S)/d_A. The
-        // start value solves the quadratic equation and is corrected by the next two terms at that
-        // solution.
+        // start value solves the quadratic equation, corrected by the next two terms.
         let d = self.center_distance;
         let (square, linear) = ((1.0 - ratio) * (1.0 - ratio) / d, PI * (1.0 + ratio));
         let rest = self.length - 2.0 * d;

@@ -54,7 +54,6 @@ impl From<()> for Status {
 #[cfg(feature = "c")]
 pub(crate) type Sink = Box<dyn Fn(Status, Category, &str)>;
 
-/// A sink with a choice of categories.
 #[cfg(feature = "c")]
 pub(crate) struct Log {
     sink: Option<Sink>,

@@ -104,8 +104,8 @@ pub trait Unit: Clone + Sized {
     /// All variables of the model.
     fn table() -> Table<Self::Settings, Self::Readings>;
 
-    /// The settings of a new instance, with data of the model from the folder of its resources; no
-    /// folder if the importer names none.
+    /// The settings of a new instance, with data of the model from the folder of its resources, if
+    /// there is one.
     ///
     /// # Errors
     /// The data are missing or damaged. There is no instance then.

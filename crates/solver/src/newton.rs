@@ -1,6 +1,6 @@
 //! Newton's method for one implicit stage, with reuse of the factored Jacobian. Its work may be
-//! bounded ([`WorkBound`]): the solution then stops before a Jacobian that takes more than the
-//! remaining work, and continues there.
+//! bounded ([`WorkBound`]): the solution then stops before a Jacobian that takes more, and
+//! continues there.
 
 use super::arrow::{Arrow, ArrowLu};
 use super::broyden::{self, Step};
@@ -399,7 +399,6 @@ impl Newton {
         Ok(())
     }
 
-    /// The residual at `stage.state.y`.
     fn evaluate(&mut self, system: &mut impl System, stage: &mut Stage) {
         stage.complete(system.has_position());
         system.residual(stage.time, stage.state.view(), &mut self.residual);
@@ -407,7 +406,6 @@ impl Newton {
         self.bound.remaining -= 1.0;
     }
 
-    /// Newton correction from the present residual and factors.
     fn correct(&mut self) {
         self.correction.copy_from_slice(&self.residual);
         self.kept[self.present].lu.solve(&mut self.correction);

@@ -38,9 +38,7 @@ pub(crate) fn argument_count<const D: usize>(law: usize, laws: usize) -> usize {
     }
 }
 
-/// Forces of a law, or their variations.
 pub(crate) type Forces = [Lanes; FORCES];
-/// Arguments of a law, or their variations.
 pub(crate) type Arguments<T> = [T; ARGUMENTS];
 /// Tangents of each force with respect to the arguments.
 pub type Tangents = [Arguments<Lanes>; FORCES];
@@ -71,13 +69,11 @@ pub(crate) fn flank_arguments<T: Copy>(motion: &FlankMotion<T>) -> Arguments<T> 
     ]
 }
 
-/// Arguments with their own derivatives.
 #[inline(always)]
 fn seeded<const N: usize>(arguments: [Lanes; N]) -> [Tangent<N>; N] {
     std::array::from_fn(|k| Tangent::seed(arguments[k], k, 1.0))
 }
 
-/// Records the tangents of the laws at a station.
 #[inline(always)]
 pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &AtStation<'_, Lanes, D>) {
     let (law, friction, forces) = (at.given.law, at.given.friction, at.forces);
@@ -104,7 +100,6 @@ pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &At
     }
 }
 
-/// Records the arguments of the laws at a station.
 #[inline(always)]
 pub(crate) fn record_arguments<T: Real, const D: usize>(
     to: &mut OfLaws<Arguments<T>>,

@@ -57,7 +57,6 @@ pub(crate) struct StationVariation<'a, const D: usize> {
     pub forces: [Forces; 3],
 }
 
-/// Variations of a cell's stack.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellVariation {
     /// Flow through the left face, m/s.
@@ -368,7 +367,6 @@ fn vary_loads(
     }
 }
 
-/// Variation of [`FlankKinematics`] and of λ.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FlankVariation {
     /// Motion of a flank in the middle of the pulley.

@@ -67,7 +67,6 @@ impl Direction {
     }
 }
 
-/// Forces at the stations of a cell.
 type CellForces<const D: usize> = [Option<StationForces<Lanes, D>>; STATIONS];
 
 /// Variations at the stations, kilobytes that are written in place.

@@ -34,7 +34,6 @@ impl BeltDiagnostics {
         self.samples[cell.group * mesh.points + station].get(cell.lane)
     }
 
-    /// Groups of cells, and the samples of their stations.
     fn groups<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Group, &'a [Sample<Lanes>])> {
         mesh.groups.iter().zip(self.samples.chunks_exact(mesh.points))
     }
@@ -100,7 +99,6 @@ impl BeltSums {
 }
 
 impl BeltSums<Lanes> {
-    /// The sums over no station.
     fn empty() -> Self {
         Self {
             strand_force: f64::INFINITY.into(),
@@ -141,7 +139,6 @@ impl BeltSums<Lanes> {
         self.speed_integral += s.speed * length;
     }
 
-    /// The sums over all lanes.
     fn total(&self) -> BeltSums {
         BeltSums {
             // The others are not sums over stations.

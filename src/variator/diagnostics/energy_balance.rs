@@ -208,7 +208,6 @@ struct Powers {
     moved: f64,
 }
 
-/// Powers of a state from the belt's sums there.
 fn powers(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &BeltSums) -> Powers {
     let speeds = system.belt.shaft_speeds(view);
     let mut moved = 0.0;

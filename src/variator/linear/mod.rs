@@ -19,10 +19,9 @@ pub use model::{LinearModel, linearise, linearise_at};
 pub use modes::modes;
 pub use working_point::LinearError;
 
-/// Shift as a fraction of the cut-off: eigenvalues near the shift have the least rounding errors,
-/// and the slowest ones are the closest to each other. The static gain is evaluated there too,
-/// because of the neutral modes at 0. Ten times as much: up to 7e-7 of the poles, but a tenth of D,
-/// which then no longer has the static gain.
+/// Shift as a fraction of the cut-off: eigenvalues near the shift have the least rounding errors.
+/// The static gain is evaluated there too, because of the neutral modes at 0. Ten times as much: up
+/// to 7e-7 of the poles, but a tenth of D, which then no longer has the static gain.
 const SHIFT: f64 = 1.0e-3;
 /// Modes slower than this, 1/s, are conserved quantities that no load changes: the gauge of the
 /// overlay. The slowest mode that loads excite crosses zero between working points and is then some

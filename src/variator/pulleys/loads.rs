@@ -190,7 +190,6 @@ impl Loads {
         Self::Inputs(InputProfile::constant(inputs))
     }
 
-    /// The boundary conditions at a time, s.
     pub(crate) fn boundary(&self, time: f64, parameters: &Parameters) -> Boundary {
         let given = match self {
             Self::Inputs(profile) => profile.evaluate(time),
@@ -222,7 +221,6 @@ impl Loads {
         }
     }
 
-    /// Writes the loads of a run to an archive, or reads them.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         let mut given = match *self {
             Self::Inputs(given) => given,
@@ -237,7 +235,6 @@ impl Loads {
 pub(crate) mod tests {
     use super::*;
 
-    /// A torque on the primary shaft alone, N·m.
     pub(crate) fn torque(value: f64) -> Inputs {
         let mut inputs = Inputs::ZERO;
         inputs.primary.torque = value;

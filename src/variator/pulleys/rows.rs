@@ -96,12 +96,10 @@ impl<'a> Pulleys<'a> {
         self.parameters.pulley(pulley)
     }
 
-    /// Angular speed of a shaft, rad/s.
     fn speed(&self, pulley: Pulley, view: View<'_>) -> f64 {
         view.y[self.layout().shaft_speed(pulley)]
     }
 
-    /// Axial travel of a sheave between its stops.
     fn travel(&self, pulley: Pulley) -> Travel {
         let (law, of) = (&self.belt.law, self.of(pulley));
         Travel::new(of.min_radius..=of.max_radius, law.r0, &law.wedge)
@@ -193,7 +191,6 @@ impl<'a> Pulleys<'a> {
         PerPulley::from_fn(|pulley| loads[pulley].torque - drags[pulley])
     }
 
-    /// Writes the pulleys' rows of the residual, under the loads of the belt.
     pub(crate) fn residual(
         &self,
         boundary: &Boundary,
@@ -250,7 +247,6 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Law of the tilt of a pulley's sheaves.
     fn tilt_law(&self, pulley: Pulley) -> Tilt {
         let own = self.of(pulley).tilt;
         let time = if self.is_steady { FORCE_TIME } else { own.time };
@@ -348,7 +344,6 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Adds the derivatives of the drag to the row of a shaft.
     fn add_drag_jacobian(
         &self,
         pulley: Pulley,
@@ -422,8 +417,7 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Loss of the tilt relaxation in a step of length `h`, s, beyond the trapezoidal rule, J: a
-    /// sheave closes its clearance within a step. The loss is the work of the moment less the
-    /// change of the stored energy.
+    /// sheave closes its clearance within a step.
     pub fn tilt_loss_beyond_trapezoid(
         &self,
         pulley: Pulley,

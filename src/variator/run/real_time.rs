@@ -154,7 +154,6 @@ fn joined(first: &InputProfile, from: f64, middle: f64, second: &InputProfile, t
     InputProfile::constant(&Inputs::ZERO.after(fraction, &means[0]).after(1.0 - fraction, &means[1]))
 }
 
-/// Mean of inputs from one time to another, s.
 fn mean(profile: &InputProfile, [from, to]: [f64; 2]) -> Inputs {
     let kink = profile.kink.clamp(from, to);
     let part = |start: f64, end: f64, sum: Inputs| {

@@ -251,8 +251,7 @@ impl Simulation {
     }
 
     /// Starts unloaded. At a standstill the belt is relaxed before: in the kinematic state all
-    /// elements touch, and with the film between them the first millisecond of a run would take as
-    /// many steps as seconds do.
+    /// elements touch, and the first millisecond of a run would take as many steps as seconds do.
     fn start_slack(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.start_unloaded(start)?;
         if start.primary_speed.abs() <= STANDSTILL {
@@ -265,7 +264,6 @@ impl Simulation {
         Ok(StartState::Unloaded)
     }
 
-    /// Starts in the state of another ring.
     fn start_on(&mut self, material: MaterialMesh, start: &Start) -> Result<StartState, InitialisationError> {
         let parameters = &self.system.parameters;
         material.starts_on.check(parameters)?;

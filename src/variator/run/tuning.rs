@@ -1,8 +1,7 @@
 //! Tuning numbers of runs and their starts. "Half" and "twice": changes of Jacobians and residuals,
 //! %, with half and twice the number and `ALE0`: of runs over 0.15 s of each of the ten rough
 //! loads, accurate or in real time; of eight starts at a standstill, or of forty steady ones at
-//! random. Up to 2 % is noise. Other numbers are bounds, or of measurements and messages, and
-//! change no counts.
+//! random. Up to 2 % is noise. Other numbers change no counts.
 
 /// First step of a run, s, from a steady state and from another one. Half: +1, 0 and 0, 0; twice:
 /// -1, -1 and 0, 0. With one step between them, short runs take more Jacobians, and a chain that
@@ -34,9 +33,8 @@ pub const STEADY_WORK: f64 = 2.5e5;
 
 /// Tuning of real time. Work is in units of a residual with its correction.
 pub struct RealTimeTuning {
-    /// Work of a millisecond for each `solver.effort`, units: as much as a Jacobian and eight
-    /// residuals took in earlier versions. Half: -38, -24 and fifty times as long behind the clock;
-    /// twice: +5, +6 and never behind.
+    /// Work of a millisecond for each `solver.effort`, units. Half: -38, -24 and fifty times as
+    /// long behind the clock; twice: +5, +6 and never behind.
     pub effort: f64,
     /// Most unused work of a millisecond that the next one may use, units, so that the mean is
     /// nearer to the bound; and work that an iteration that has begun may take beyond the bound:

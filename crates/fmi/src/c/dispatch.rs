@@ -177,7 +177,6 @@ fn load(path: &Path) -> Result<Library, String> {
     Ok(library)
 }
 
-/// Checks that a file has this hash.
 fn check(path: &Path, hash: &str) -> Result<(), String> {
     // Without these checks the message would be that of the operating system, and a pipe would keep
     // the host waiting.

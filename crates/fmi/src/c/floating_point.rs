@@ -42,7 +42,6 @@ fn not_inlined<T>(body: impl FnOnce() -> T) -> T {
     body()
 }
 
-/// Restores the host's environment when it is dropped.
 struct Restore;
 
 impl Drop for Restore {

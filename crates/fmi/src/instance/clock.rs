@@ -95,9 +95,8 @@ impl Clock {
     }
 
     /// The unit's time at this point, s, reached by a step of size `step`: on a decimal grid of
-    /// about a millionth of the step. Importers reach the same point by different sums, which
-    /// differ by some 1e-12; a model can amplify that to visible differences. On the grid all
-    /// importers get the same bits.
+    /// about a millionth of the step. Importers reach the same point by different sums, which a
+    /// model can amplify to visible differences; on the grid all get the same bits.
     pub fn on_grid(&self, step: f64) -> f64 {
         let time = self.elapsed;
         let digits = -(LEAST_ROUNDING * step).log10().floor();
