@@ -104,10 +104,12 @@ impl Point {
         }
     }
 
-    /// Weight of a direction of running, 1 or −1. Reverse running is forward running at −v.
+    /// The directions of running, 1 or −1, with their weights. Reverse running is forward running at
+    /// −v.
     #[inline(always)]
-    fn weight(&self, sign: f64) -> f64 {
-        if sign > 0.0 { self.ahead } else { 1.0 - self.ahead }
+    fn directions(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
+        let weighted = [(1.0, self.ahead), (-1.0, 1.0 - self.ahead)];
+        weighted.into_iter().filter(|(_, weight)| *weight > 0.0)
     }
 }
 
@@ -227,19 +229,16 @@ impl Law {
         };
         point.sliding = point.sliding_at(state.speeds);
         let fading = (state.speeds.primary / SPEED_SMOOTHING).tanh();
-        for sign in [1.0, -1.0] {
-            let fraction = point.weight(sign);
-            if fraction > 0.0 {
-                let Sloped { value, slope } = self.one_way(&point, sign * point.sliding);
-                let [thrust, loss, bearing] = self.tables.belt.interpolate(&position, 0, value);
-                point.traction.value += sign * fraction * value;
-                point.traction.slope += fraction * slope;
-                point.forward += fraction * value;
-                point.thrust_ratio += fraction * thrust.value;
-                point.thrust_slope += fraction * sign * thrust.slope;
-                point.torque_loss += fraction * fading * loss.value;
-                point.bearing_load += fraction * bearing.value;
-            }
+        for (sign, fraction) in point.directions() {
+            let Sloped { value, slope } = self.one_way(&point, sign * point.sliding);
+            let [thrust, loss, bearing] = self.tables.belt.interpolate(&position, 0, value);
+            point.traction.value += sign * fraction * value;
+            point.traction.slope += fraction * slope;
+            point.forward += fraction * value;
+            point.thrust_ratio += fraction * thrust.value;
+            point.thrust_slope += fraction * sign * thrust.slope;
+            point.torque_loss += fraction * fading * loss.value;
+            point.bearing_load += fraction * bearing.value;
         }
         point
     }
@@ -265,13 +264,10 @@ impl Law {
     /// u and ∂u/∂v at another sliding speed, m/s.
     pub fn traction(&self, point: &Point, sliding: f64) -> Sloped {
         let mut mean = Sloped::default();
-        for sign in [1.0, -1.0] {
-            let fraction = point.weight(sign);
-            if fraction > 0.0 {
-                let Sloped { value, slope } = self.one_way(point, sign * sliding);
-                mean.value += sign * fraction * value;
-                mean.slope += fraction * slope;
-            }
+        for (sign, fraction) in point.directions() {
+            let Sloped { value, slope } = self.one_way(point, sign * sliding);
+            mean.value += sign * fraction * value;
+            mean.slope += fraction * slope;
         }
         mean
     }

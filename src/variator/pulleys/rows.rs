@@ -37,12 +37,6 @@ pub struct External {
     pub clamping: f64,
 }
 
-/// Tilt of the sheaves of a pulley, rad, and its rate, rad/s.
-struct TiltMotion {
-    psi: [f64; 2],
-    rate: [f64; 2],
-}
-
 /// Motion on which the equation of a sheave depends.
 struct SheaveMotion<T> {
     /// Position, speed and acceleration of the sheave.
@@ -255,7 +249,7 @@ impl<'a> Pulleys<'a> {
 
     fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
         let law = self.tilt_law(pulley);
-        let TiltMotion { psi, rate } = self.tilt(pulley, view);
+        let [psi, rate] = self.tilt(pulley, view);
         let moment = law.moment(psi, rate);
         for axis in 0..2 {
             let i = self.layout().tilt(pulley, axis);
@@ -317,12 +311,10 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    fn tilt(&self, pulley: Pulley, view: View<'_>) -> TiltMotion {
+    /// Tilt of the sheaves of a pulley, rad, and its rate, rad/s.
+    fn tilt(&self, pulley: Pulley, view: View<'_>) -> [[f64; 2]; 2] {
         let unknowns = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
-        TiltMotion {
-            psi: unknowns.map(|i| view.y[i]),
-            rate: unknowns.map(|i| view.y_dot[i]),
-        }
+        [view.y, view.y_dot].map(|of| unknowns.map(|i| of[i]))
     }
 
     fn tilt_jacobian(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
@@ -332,7 +324,7 @@ impl<'a> Pulleys<'a> {
             unknowns.iter().for_each(|&i| out.set_unit_row(i, CONSTRAINT_SCALE));
             return;
         }
-        let TiltMotion { psi, rate } = self.tilt(pulley, view);
+        let [psi, rate] = self.tilt(pulley, view);
         let seeded = |tilt: [f64; 2], slope| {
             std::array::from_fn(|axis| Tangent::<2, f64>::seed(tilt[axis], axis, slope))
         };
@@ -409,7 +401,7 @@ impl<'a> Pulleys<'a> {
             let rate = view.y[self.layout().sheave(pulley)];
             loss += of.sheave_damping * rate * rate - self.stop(pulley, view).viscous * rate;
             if !of.tilt.is_rigid() {
-                let TiltMotion { psi, rate } = self.tilt(pulley, view);
+                let [psi, rate] = self.tilt(pulley, view);
                 loss += 2.0 * of.tilt.loss(psi, rate);
             }
         }
@@ -430,12 +422,12 @@ impl<'a> Pulleys<'a> {
             return 0.0;
         }
         let [start, end] = [before, after].map(|view| self.tilt(pulley, view));
-        let [first, second] = [&start, &end].map(|tilt| law.moment(tilt.psi, tilt.rate));
+        let [first, second] = [start, end].map(|[psi, rate]| law.moment(psi, rate));
         let work: f64 = (0..2)
-            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end.psi[axis] - start.psi[axis]))
+            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end[0][axis] - start[0][axis]))
             .sum();
-        let lost = work - (law.energy(end.psi) - law.energy(start.psi));
-        let trapezoid = 0.5 * h * (law.loss(start.psi, start.rate) + law.loss(end.psi, end.rate));
+        let lost = work - (law.energy(end[0]) - law.energy(start[0]));
+        let trapezoid = 0.5 * h * (law.loss(start[0], start[1]) + law.loss(end[0], end[1]));
         // Both sheaves.
         2.0 * (lost - trapezoid)
     }
@@ -452,7 +444,7 @@ impl<'a> Pulleys<'a> {
                 + self.travel(pulley).energy(view.q[z])
                 + of.cylinder.energy(view.q[z]);
             if !of.tilt.is_rigid() {
-                energy += 2.0 * of.tilt.energy(self.tilt(pulley, view).psi);
+                energy += 2.0 * of.tilt.energy(self.tilt(pulley, view)[0]);
             }
         }
         energy

@@ -7,7 +7,7 @@ use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ratio_of_theta;
 use crate::variator::settings::Drive;
-use crate::variator::settings::capacity::{GivenSpeed, TorqueDemand, clamped, given_speed, short};
+use crate::variator::settings::capacity::{TorqueDemand, clamped, given_speed, short};
 use crate::variator::settings::validation::Steel;
 use crate::variator::steady::solve::geometric_ratio;
 use std::f64::consts::PI;
@@ -150,7 +150,7 @@ fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let led = parameters.primary.drive == Drive::Speed || parameters.secondary.drive == Drive::Speed;
     let cause = if led || starts {
-        let GivenSpeed { name, value } = given_speed(parameters, &inputs);
+        let (name, value) = given_speed(parameters, &inputs);
         format!("is {name} in rpm? {value} rpm are {} rad/s", short(value * PI / 30.0))
     } else {
         format!(

@@ -13,7 +13,7 @@ use crate::solver::newton::Counts;
 use crate::variator::belt::ring::MaterialMesh;
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::pulleys::loads::InputProfile;
-use crate::variator::settings::capacity::{GivenSpeed, given_speed, short};
+use crate::variator::settings::capacity::{given_speed, short};
 use crate::variator::settings::{Axial, Drive, Inputs, Mode, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
 
@@ -140,7 +140,7 @@ impl Simulation {
     pub fn start_from(&mut self, found: StartState, other: &OtherStart<'_>) -> StartState {
         let (of, inputs) = (&self.system.parameters, &self.given);
         let ratio = of.initial.ratio;
-        let GivenSpeed { name, value: speed } = given_speed(of, inputs);
+        let (name, speed) = given_speed(of, inputs);
         let clamping = of.total_clamping_forces(inputs, ratio, self.primary_speed()).map(short);
         let OtherStart { why, instead, helps } = other;
         let [first, second] = [inputs.primary.torque, inputs.secondary.torque];
