@@ -68,9 +68,6 @@ fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
             // friction.
             let [slow, fast] = [10.0, 40.0].map(|speed| force(speed, 1e-5));
             let at_rest = VELOCITIES.map(|velocity| force(0.0, velocity));
-            println!(
-                "{model:?}, {given} N·m: at rest {at_rest:.0?} N, running slowly {slow:.0} and {fast:.0} N"
-            );
             assert_close(slow, fast, 0.02, "two slow speeds");
             for force in at_rest {
                 assert_close(force, at_rest[0], 0.05, "friction velocities");
@@ -98,7 +95,6 @@ fn a_launch_loses_as_much_under_sharp_friction() {
                 }
                 run.variator.energy_balance().lost
             });
-            println!("{model:?}: {lost:.2?} J in {span} s");
             assert_close(lost[1], lost[2], 0.05, "sharp friction");
             assert!(lost[0] < 1.05 * lost[2], "the default");
             assert!(at_start == 0.0 || lost[0] > 0.95 * lost[2], "the default");
@@ -131,10 +127,6 @@ fn stop_and_go_returns_to_the_force() {
             }
             primary_force(&mut run)
         });
-        println!(
-            "{velocity} m/s: {before:.0} N, standing {:.0?} after a stop and {:.0?} from a start, then {after:.0?} N",
-            standing[0], standing[1]
-        );
         for force in after {
             assert_close(force, before, 0.05, "force after the next start");
         }

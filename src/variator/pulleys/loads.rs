@@ -272,12 +272,4 @@ pub(crate) mod tests {
             }
         }
     }
-
-    #[test]
-    fn a_force_that_falls_ends_at_zero() {
-        let mut profile = InputProfile::constant(&Inputs::ZERO);
-        profile.inputs.primary.clamping_force = 10.0;
-        profile.rates[1].primary.clamping_force = -100.0;
-        assert_eq!(profile.evaluate(1.0).primary.clamping_force, 0.0);
-    }
 }
