@@ -45,8 +45,7 @@ pub struct PushElements {
     pub roughness: f64,
     /// Thickness of an element, m.
     pub element_thickness: f64,
-    /// Moment of inertia of an element about its rocking edge, kg·m². It determines the loss by
-    /// elements that start and stop turning.
+    /// Moment of inertia of an element about its rocking edge, kg·m².
     pub element_inertia: f64,
     /// Gap δ_f over which the force of the oil decreases, m.
     pub film_thickness: f64,

@@ -5,7 +5,7 @@ use crate::jacobian::{KINDS, variators};
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::System;
 use pushbelt::variator::diagnostics::belt::BeltDiagnostics;
-use pushbelt::variator::settings::{Drive, Losses, Parameters, RingModel};
+use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::disturbed::{TIME, disturbed};
@@ -191,13 +191,8 @@ fn each_loss_is_zero_without_its_parameters() {
     let usual = coarse(RingModel::Ale);
     let [alone, usual] =
         [belt_alone(usual.clone()), usual].map(|p| transmitting(&p, 0.5, 8e3, 50.0, SPEED).outputs);
-    let Losses {
-        layers,
-        element_rotation,
-        shafts,
-        ..
-    } = alone.losses;
-    assert_eq!((layers, element_rotation, shafts), (0.0, 0.0, 0.0));
+    let of = &alone.losses;
+    assert_eq!([of.layers, of.element_rotation, of.shafts], [0.0; 3]);
     assert_eq!(alone.efficiency, alone.belt_efficiency);
     assert!(usual.losses.layers > 0.0 && usual.losses.shafts > 0.0);
     assert!(usual.efficiency < usual.belt_efficiency && usual.belt_efficiency < alone.efficiency);

@@ -1,7 +1,7 @@
 //! Steady states of the variator: load cases, power balance, symmetry, errors of mesh and
 //! regularisation.
 
-use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::pulley::Pulley;
 use pushbelt::solver::newton::Newton;
 use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::pulleys::loads::{Boundary, ShaftMode};
@@ -361,10 +361,7 @@ fn strands_and_shafts_have_the_same_moments() {
 #[test]
 fn a_failed_search_leaves_the_specified_friction() {
     let mut system = VariatorSystem::new(&Parameters::default());
-    let clamping = PerPulley {
-        secondary: 1.0e4,
-        primary: 1.3e4,
-    };
+    let clamping = pair(1.0e4, 1.3e4);
     let start = Start {
         ratio: 1.0,
         primary_speed: SPEED,

@@ -45,13 +45,8 @@ pub type Tangents = [Arguments<Lanes>; FORCES];
 
 /// Two values of the law of ring or stack.
 #[inline(always)]
-fn padded<T: Real>([first, second]: [T; 2]) -> Arguments<T> {
+pub(crate) fn padded<T: Real>([first, second]: [T; 2]) -> Arguments<T> {
     [first, second, T::zero(), T::zero()]
-}
-
-#[inline(always)]
-pub(crate) fn ring_arguments<T: Real>(pressing: T, sliding: T) -> Arguments<T> {
-    padded([pressing, sliding])
 }
 
 #[inline(always)]
@@ -109,6 +104,6 @@ pub(crate) fn record_arguments<T: Real, const D: usize>(
     for (to, motion) in to[first..][..D - 1].iter_mut().zip(&at.forces.flanks.motions) {
         *to = flank_arguments(motion);
     }
-    to[first + D - 1] = ring_arguments(at.forces.pressing, at.forces.sliding);
+    to[first + D - 1] = padded([at.forces.pressing, at.forces.sliding]);
     to[at.given.geometry.stations.len() * D] = stack_arguments(at.cell.density_with_rate());
 }

@@ -3,10 +3,9 @@
 use crate::contact::{Contact, Friction};
 use crate::pulley::{PerPulley, Wedge};
 use crate::reference_curve::Jet;
-use crate::ring::Joints;
-use crate::ring::Ring;
 use crate::ring::kinematics::{Motion, ReferenceMotion};
 use crate::ring::layers::Layers;
+use crate::ring::{Joints, Ring};
 use crate::scalar::Real;
 use crate::solver::Factors;
 use crate::stack::{self, Transport};
