@@ -559,11 +559,7 @@ fn soft_sheaves_have_a_steady_start() {
                     }
                 }
                 let o = Run::new(parameters, inputs((50.0, 13e3), (-49.0 * ratio, 10e3))).outputs();
-                assert_eq!(
-                    o.start_state,
-                    StartState::Steady,
-                    "{model:?} {primary} {secondary} {stiffness}"
-                );
+                assert_eq!(o.start_state, StartState::Steady, "{model:?} {stiffness} N·m, {ratio}");
             }
         }
     }
