@@ -1,34 +1,22 @@
 //! Wedge contact between element flank and conical sheave, with two-dimensional friction: a law
-//! without state.
+//! without state. Equations: `docs/theory.md`, section 5.
 //!
-//! Place: polar coordinates about the pulley axis, e_r outward, e_t = (e_r,y, −e_r,x) clockwise
-//! like ω, pitch radius ϱ = |r − O| − e; θ grows with ω: e_r = (cos θ, −sin θ).
-//!
-//! - penetration of a flank (axial) g = z/2 − (ϱ − r₀) tan β − w, elastic opening of the sheave w =
-//!   ϱ (ψ_x cos θ + ψ_y sin θ),
+//! - e_r = (cos θ, −sin θ) outward from the pulley axis, e_t = (e_r,y, −e_r,x) clockwise like ω,
+//!   pitch radius ϱ = |r − O| − e,
+//! - axial penetration of a flank g = z/2 − (ϱ − r₀) tan β − w, elastic opening of the sheave w = ϱ
+//!   (ψ_x cos θ + ψ_y sin θ),
 //! - its rate along an element's path Dg/Dt = ż/2 − ∂w/∂t − (tan β + ∂w/∂ϱ) v_r −
 //!   (∂w/∂θ)(v_t,abs/ϱ),
-//! - normal force per flank and pitch-line length p = k_c cos β (⟨g⟩₊ + d_c H Dg/Dt), H the
-//!   derivative of ⟨·⟩₊,
-//! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with
-//!   the penetration rate of the sheave's surface u = ż/2 − (∂w/∂t + ω ∂w/∂θ): a rotating tilted
-//!   sheave closes and opens,
+//! - normal force per flank and pitch-line length p = k_c cos β (⟨g⟩₊ + d_c H Dg/Dt), along the
+//!   gradient of g, H the derivative of ⟨g⟩₊ = ρ ln(1 + e^{g/ρ}) with the roughness ρ (Greenwood
+//!   and Williamson 1966),
+//! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with u
+//!   = ż/2 − (∂w/∂t + ω ∂w/∂θ),
 //! - friction −μ(v) p_el (v_t, v_f)/√(v² + v₀²), v² = v_t² + v_f², with μ(v) = μ (1 − f v²/(v² +
-//!   v_c²)): measured traction decreases slightly in fast sliding. p_el ≥ 0 is the elastic part of
-//!   p and f < 1, so friction always dissipates.
-//!
-//! ⟨g⟩₊ = ρ ln(1 + e^{g/ρ}) with the roughness ρ: asperities touch first, and the force decays
-//! exponentially with the clearance (Greenwood and Williamson 1966).
+//!   v_c²)), p_el ≥ 0 the elastic part of p and f < 1, so friction always dissipates.
 //!
 //! An element that is δ out of the middle of its pulley, towards the movable sheave, has the
-//! penetration g + δ on that sheave and g − δ on the other; δ̇ enters penetration rate and sliding
-//! in the same way.
-//!
-//! The normal force acts along the gradient of g, derivatives of w included. Its power is −2 p cos
-//! β Dg/Dt, and its energy E = 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an
-//! element's path. Its elastic part along the belt is the gradient of E; the variator integrates it
-//! by parts, −∫ E' δV dξ = ∫ E δV' dξ, so what an element stores where it enters a pulley it returns
-//! where it leaves, however few stations lie there.
+//! penetration g + δ on that sheave and g − δ on the other; δ̇ enters rates in the same way.
 
 use crate::scalar::{PositivePart, Real, Tangent, soft_plus_energy_at};
 

@@ -2,12 +2,9 @@
 //!
 //! F = p A + F₀ − k z + c ω² − S ż/√(ż² + v₀²).
 //!
-//! - p, Pa: pressure of the oil above ambient; A, m²: area of the piston, so the flow into the
-//!   cylinder is A ż,
-//! - F₀ − k z: spring, which closes the pulley; z = 0 at ratio 1. The energy of the spring is −F₀ z
-//!   + k z²/2,
-//! - c ω²: oil that turns with the pulley. A chamber that compensates for it lowers c; beyond full
-//!   compensation c < 0,
+//! - p, Pa: pressure of the oil above ambient; A, m²: area of the piston,
+//! - F₀ − k z: spring; z = 0 at ratio 1,
+//! - c ω²: oil that turns with the pulley; beyond full compensation c < 0,
 //! - S: friction of the seals, with the regularisation of the flanks' friction.
 
 use crate::scalar::Real;

@@ -14,7 +14,7 @@
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
 //! | [`archive`] | values to bytes and back, for stored states |
-//! | [`mod@unit`] | the variator as an FMU: its variable table and the model behind the C functions, which the package `library` exports |
+//! | [`mod@unit`] | the variator as an FMU: its variable table and the model behind the C functions |
 //! | [`fmi`] | FMI state machine and C functions for any model; independent of the physics |
 //!
 //! ```
@@ -33,15 +33,14 @@
 //! A clone is a snapshot. There is no global state and no thread: any number of variators can run,
 //! each in one thread.
 //!
-//! **Build it fast.** The crate is generic, so it is compiled with your profile. Without
-//! optimisation a second of belt motion takes minutes: set `opt-level = 3` in `[profile.dev]` and
-//! `codegen-units = 1` in `[profile.release]`. Allow AVX2 in your `.cargo/config.toml` (`rustflags
-//! = ["-C", "target-feature=+avx2"]`): cells are evaluated in packs as wide as a register.
+//! **Build it fast.** Without optimisation a second of belt motion takes minutes: set `opt-level =
+//! 3` in `[profile.dev]` and `codegen-units = 1` in `[profile.release]`. Allow AVX2 in your
+//! `.cargo/config.toml` (`rustflags = ["-C", "target-feature=+avx2"]`): cells are evaluated in
+//! packs as wide as a register.
 //!
 //! **A ring of your own.** [`variator::Variator::with_ring`] takes any
-//! [`variator::ring_models::BeltRing`]; `examples/own_ring.rs` is one that stiffens as it
-//! stretches. To pack another model as an FMU use the crate `pushbelt-fmi` alone; its README has a
-//! complete one.
+//! [`variator::ring_models::BeltRing`], as in `examples/own_ring.rs`. To pack another model as an
+//! FMU use the crate `pushbelt-fmi` alone.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 

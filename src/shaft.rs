@@ -1,16 +1,9 @@
 //! Drag of a pulley's shaft by seals, oil and bearings: a law without state.
 //!
-//! T_d = tanh(ω/ω₀) (T₀ + μ_b r_b R) + b ω, against the rotation.
-//!
-//! - T₀, N·m: seals, independent of speed; b, N·m·s/rad: oil,
-//! - R, N: the resultant of all contact forces of the belt on the pulley, which the bearings carry;
-//!   the centripetal force of the belt's own mass does not act on the pulley,
-//! - μ_b, r_b, m: friction coefficient of the bearings, at their mean radius,
-//! - ω₀: regularisation speed; the drag is zero at a standstill, and sticking bearings are not
-//!   modelled.
-//!
-//! Friction of rolling bearings grows more slowly with speed than b ω, and with load slightly
-//! faster than μ_b R; the law is an estimate for some 100 to 6000 rpm.
+//! T_d = tanh(ω/ω₀) (T₀ + μ_b r_b R) + b ω, against the rotation, with T₀ of the seals, b of the
+//! oil, and R, N, the resultant of all contact forces of the belt on the pulley, which the bearings
+//! carry with the friction μ_b at their mean radius r_b. It is zero at a standstill, and an
+//! estimate for some 100 to 6000 rpm.
 
 /// ω₀, rad/s: 20 rpm.
 pub const SPEED_SMOOTHING: f64 = 2.0;

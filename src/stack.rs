@@ -1,56 +1,26 @@
 //! Push elements as an Eulerian continuum on finite volumes that move with the mesh.
 //!
-//! A point of the stack is at the ring's r, and the rocking edge (pitch line) is e inside it.
-//! Pitch-line length per dξ: λ = |r'| − e κ_ref, so a closed loop without stretch has the length
-//! L − 2πe for every Θ.
+//! `docs/theory.md`, section 4, has the equations, and `docs/decisions.md` the reasons. A point of
+//! the stack is at the ring's r, and the pitch line (rocking edge) is e inside it:
 //!
-//! Generalised velocity: V, the absolute speed of the elements along the tangent t̂ at the pitch
-//! line, linear between faces. With dots at fixed mesh point η:
+//! - λ = |r'| − e κ_ref: pitch-line length per dξ,
+//! - V: absolute speed of the elements along t̂ at the pitch line, linear between faces,
+//! - J = V − t̂·ṙ + e χ̇: flow through the mesh, pitch-line length per time; in ξ: c = J/λ. It is
+//!   continuous at a moving arc border, where κ_ref jumps,
+//! - v_p = V t̂ + (n̂·ṙ) n̂, v_e = V |r'|/λ t̂ + (n̂·ṙ) n̂: velocity at pitch line and ring centre
+//!   line,
+//! - N = ∫νλ dξ: content of a cell, dN/dt = Φ_in − Φ_out with the [`flux`] Φ; ν = N/ℓ, ℓ = ∫λ dξ,
+//! - Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ): Q is conjugate to this shortening,
+//! - a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙ + Ω(V − t̂·ṙ), Ω = n̂·((r')˙ + c
+//!   r'')/|r'|: acceleration at the pitch line, of the mass m_e νλ per dξ.
 //!
-//! - flow through the mesh, pitch-line length per time: J = V − t̂·ṙ + e χ̇; in ξ: c = J/λ,
-//! - velocity at the pitch line v_p = V t̂ + (n̂·ṙ) n̂, at the ring centre line v_e = V |r'|/λ t̂ +
-//!   (n̂·ṙ) n̂: an element on an arc turns about its centre. Friction of the ring on the elements acts
-//!   at the innermost layer (`variator/law/ring_friction.rs`).
-//!
-//! J is continuous at a moving arc border although κ_ref jumps there, because χ̇ (the turning of
-//! the elements with the mesh point) is continuous.
-//!
-//! Content: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is [`flux`].
-//!
-//! **Push force**, with ε = ν − 1, D = Dν/Dt, the gap g, and φ = 1/(1 + g/δ_f):
+//! Push force with ε = ν − 1, D = Dν/Dt, the gap g and φ = 1/(1 + g/δ_f):
 //!
 //! Q = k_e (⟨ε⟩₊ + d_e H D) + S(F), F = c (2⟨D⟩ + (D − ⟨D⟩) φ²) + d_s D φ³.
 //!
-//! - Contact: ⟨ε⟩₊ = δ ln(1 + e^{ε/δ}), δ the roughness over the thickness of an element, H its
-//!   derivative; it has half of its stiffness at ε = 0, where the play is measured. g is ⟨ε⟩₊ − ε
-//!   times the thickness. No force acts across a gap at rest.
-//! - Oily stack: ⟨D⟩ is D where elements approach, with the width w of [`RATE_SMOOTHING`]. Where
-//!   gaps close, free elements meet a congested stack, in the limit with a jump of ν and V.
-//!   2c = m_e c_s t, c_s = √(k_e/m_e) = 2.7 km/s, spreads the front over √(2c g J/(f t)), g J/t the
-//!   rate at which the gap closes and f some 7 N/mm of friction: single elements collide over the
-//!   thickness t of one. It does not depend on the mesh.
-//! - Squeezed oil: d_s D φ³ between flat faces (Reynolds). δ_f = 6 µm is the distance of rough faces
-//!   in contact. Faces of 8 by 24 mm full of oil of 10 mPa·s would have 750 N·s; 75 N·s are those
-//!   of faces a tenth full.
-//! - Cavitation: S(F) = F where F > 0, F/√(1 + (F/F_c)²) otherwise.
-//!
-//! `docs/decisions.md` has the reasons. Every part of F has the sign of D, so it dissipates, and
-//! rises with D: Newton's method fails with a law that falls, such as D times a switch. Convection
-//! of V is central between free elements, with the viscosity 2c where they approach.
-//!
-//! Limits: the smoothing of ⟨D⟩ leaves a suction of c w = 0.8 N across every gap that opens. The
-//! oil has neither inertia nor history: a gap that opened is full when it closes. Below some 1
-//! rad/s of the pulleys no oil acts.
-//!
-//! The material rate is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q is conjugate to this
-//! shortening: it loads the ring by Qκ̂ outward and the stack by −∂Q/∂ξ, and its power is balanced.
-//!
-//! In space every equation with n̂ holds for both normals, n̂ and b̂, and their contributions add
-//! up.
-//!
-//! Inertia: mass m_e νλ per dξ moves with v_p; a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙
-//! + Ω(V − t̂·ṙ), where Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's
-//! path.
+//! Every part of F has the sign of D, so it dissipates, and rises with D: Newton's method fails
+//! with a law that falls. In space every equation with n̂ holds for n̂ and b̂, and their
+//! contributions add up.
 
 use crate::ring::kinematics::{RingPoint, RingVariation, WithRate};
 use crate::scalar::{PositivePart, Real, soft_plus_energy};
@@ -75,8 +45,7 @@ pub struct PushElements {
     pub roughness: f64,
     /// Thickness of an element, m.
     pub element_thickness: f64,
-    /// Moment of inertia of an element about its rocking edge, kg·m². It determines the loss by
-    /// elements that start and stop turning.
+    /// Moment of inertia of an element about its rocking edge, kg·m².
     pub element_inertia: f64,
     /// Gap δ_f over which the force of the oil decreases, m.
     pub film_thickness: f64,

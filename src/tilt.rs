@@ -1,20 +1,16 @@
 //! Tilt of a loaded sheave, first by its clearance, then by bending: a law without state.
 //!
-//! The movable sheave slides on its shaft with clearance. Under load it tilts by the clearance ψ_c;
-//! beyond ψ_c shaft, hub and disc bend. With a = √(ψ_x² + ψ_y² + δ²) the moment along ψ is
+//! The movable sheave tilts on its shaft by the clearance ψ_c; beyond it shaft, hub and disc bend.
+//! With a = √(ψ_x² + ψ_y² + δ²) the moment along ψ is
 //!
 //! M(a) = k [s a + (1 − s) ⟨a − ψ_c⟩₊], s = 0.02, δ = 0.02 ψ_c, ⟨·⟩₊ smoothed over 0.05 ψ_c,
 //!
-//! and the moment vector M ψ/a has a potential. Some 0.6 kN overcome the soft part s and take up
-//! the clearance. Without clearance the law is linear, k ψ. Under the moment m the tilt relaxes
-//! with the time constant τ: (M/a)(ψ + τ ψ̇) = m.
+//! and the moment vector M ψ/a has a potential. Without clearance the law is linear, k ψ. Under the
+//! moment m the tilt relaxes with the time constant τ: (M/a)(ψ + τ ψ̇) = m.
 //!
-//! Both sheaves of a pulley have the same tilt in the model, the mean of the two.
-//!
-//! Sattler's trigonometric law of the groove width has the same variation of radius with |ψ| = aΔ
-//! tan β, a = (1 + cos²β)/sin 2β: |ψ| ≈ 1.02 Δ at β = 11°. The defaults follow, under a uniform
-//! pressure, from Δ = (1 + 0.02 (F/kN − 20))·1e-3, fitted to measured shifts (Carbone, Mangialardi,
-//! Bonsen, Tursi, Veenhuizen 2007).
+//! The defaults follow, under a uniform pressure, from Sattler's Δ = (1 + 0.02 (F/kN − 20))·1e-3
+//! (|ψ| ≈ 1.02 Δ at β = 11°), fitted to measured shifts (Carbone, Mangialardi, Bonsen, Tursi,
+//! Veenhuizen 2007).
 
 use crate::scalar::{Real, smooth_plus_energy};
 

@@ -93,13 +93,8 @@ fn a_mesh_without_memory_is_an_error() {
     }
     let library = Library::load();
     let f = &library.functions;
-    let mesh = [
-        "mesh.primaryArc",
-        "mesh.secondaryArc",
-        "mesh.strand",
-        "mesh.cellsPerElement",
-    ]
-    .map(reference);
+    let mesh = ["primaryArc", "secondaryArc", "strand", "cellsPerElement"];
+    let mesh = mesh.map(|name| reference(&format!("mesh.{name}")));
     let c = f.instantiate();
     let memory = std::fs::read_to_string("/proc/self/statm").expect("Linux");
     let pages: u64 = memory.split(' ').next().expect("a number").parse().expect("pages");

@@ -1,7 +1,5 @@
-//! Speed of the variator from maps: steps of 10 ms with inputs that change in every step, and as
-//! the C functions are called. The engine's torque varies between 10 and 70 N·m, the load grows
-//! with the square of the speed, and the ratio follows the primary force. `cargo run --release
-//! --package pushbelt-map-unit --example speed`
+//! Speed of the variator from maps: steps of 10 ms with inputs that change in every step. `cargo
+//! run --release --package pushbelt-map-unit --example speed`
 
 use std::path::Path;
 

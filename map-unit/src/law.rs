@@ -2,22 +2,18 @@
 //!
 //! The state is ω_P, ω_S and ℓ = ln i, with i = r_S/r_P of the pitch radii. The sliding speed v =
 //! r_P ω_P − r_S ω_S gives the slip s = v/q with q = √((r_P ω_P)² + v_0²), and the table of the
-//! traction the utilisation u(s). The torque of the primary shaft on the belt is T_P = u 2μ r_P
-//! F_S/cosβ, positive where it drives. Beyond the slip s_c at capacity u_c
+//! traction the utilisation u(s); beyond the slip s_c at capacity u_c
 //!
-//! u = u_c (1 − fall (1 − e^(−(|v| − |s_c| q)/v_f))),
+//! u = u_c (1 − fall (1 − e^(−(|v| − |s_c| q)/v_f))).
 //!
-//! and the belt slips through. The torque of the belt on the secondary shaft is T_S = i (T_P −
-//! tanh(ω_P/ω_0) T_l), with ω_0 of the [drag](pushbelt::shaft), so the belt loses T_P ω_P − T_S ω_S
-//! = s T_P ω_P + (1 − s) tanh(ω_P/ω_0) T_l ω_P at running speed. A growing primary force closes the
-//! primary pulley, so ℓ' = −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument.
+//! The torque of the primary shaft on the belt is T_P = u 2μ r_P F_S/cosβ, positive where it
+//! drives, and that of the belt on the secondary shaft T_S = i (T_P − tanh(ω_P/ω_0) T_l), with ω_0
+//! of the [drag](pushbelt::shaft). A growing primary force closes the primary pulley, so ℓ' =
+//! −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument; F_P and F_S are those of clamps
+//! and [cylinders](pushbelt::cylinder), whose seals act on the shift alone.
 //!
-//! F_P and F_S are those of clamps and [cylinders](pushbelt::cylinder). Seals act on the shift
-//! alone.
-//!
-//! Reverse running is the mirror image: ω, v and T change their signs, and the tables are those at
-//! the slip −s. With b = r_P ω_P/q, which is ±1 except near standstill, u = (1+b)/2 U(s) − (1−b)/2
-//! U(−s); other quantities are means with these weights.
+//! Reverse running is the mirror image: with b = r_P ω_P/q, which is ±1 except near standstill, u =
+//! (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
 
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
@@ -99,7 +95,6 @@ impl Point {
         (sliding / self.capacity(sliding).sliding).abs() > 1.0
     }
 
-    /// Capacity of forward running in the direction of a sliding speed.
     #[inline(always)]
     fn capacity(&self, sliding: f64) -> Capacity {
         if sliding >= 0.0 {
@@ -109,14 +104,15 @@ impl Point {
         }
     }
 
-    /// Weight of a direction of running, 1 or −1. Reverse running is forward running at −v.
+    /// The directions of running, 1 or −1, with their weights. Reverse running is forward running at
+    /// −v.
     #[inline(always)]
-    fn weight(&self, sign: f64) -> f64 {
-        if sign > 0.0 { self.ahead } else { 1.0 - self.ahead }
+    fn directions(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
+        let weighted = [(1.0, self.ahead), (-1.0, 1.0 - self.ahead)];
+        weighted.into_iter().filter(|(_, weight)| *weight > 0.0)
     }
 }
 
-/// Utilisation and sliding speed at capacity, m/s.
 #[derive(Clone, Copy, Debug, Default)]
 struct Capacity {
     utilisation: f64,
@@ -233,19 +229,16 @@ impl Law {
         };
         point.sliding = point.sliding_at(state.speeds);
         let fading = (state.speeds.primary / SPEED_SMOOTHING).tanh();
-        for sign in [1.0, -1.0] {
-            let fraction = point.weight(sign);
-            if fraction > 0.0 {
-                let Sloped { value, slope } = self.one_way(&point, sign * point.sliding);
-                let [thrust, loss, bearing] = self.tables.belt.interpolate(&position, 0, value);
-                point.traction.value += sign * fraction * value;
-                point.traction.slope += fraction * slope;
-                point.forward += fraction * value;
-                point.thrust_ratio += fraction * thrust.value;
-                point.thrust_slope += fraction * sign * thrust.slope;
-                point.torque_loss += fraction * fading * loss.value;
-                point.bearing_load += fraction * bearing.value;
-            }
+        for (sign, fraction) in point.directions() {
+            let Sloped { value, slope } = self.one_way(&point, sign * point.sliding);
+            let [thrust, loss, bearing] = self.tables.belt.interpolate(&position, 0, value);
+            point.traction.value += sign * fraction * value;
+            point.traction.slope += fraction * slope;
+            point.forward += fraction * value;
+            point.thrust_ratio += fraction * thrust.value;
+            point.thrust_slope += fraction * sign * thrust.slope;
+            point.torque_loss += fraction * fading * loss.value;
+            point.bearing_load += fraction * bearing.value;
         }
         point
     }
@@ -271,13 +264,10 @@ impl Law {
     /// u and ∂u/∂v at another sliding speed, m/s.
     pub fn traction(&self, point: &Point, sliding: f64) -> Sloped {
         let mut mean = Sloped::default();
-        for sign in [1.0, -1.0] {
-            let fraction = point.weight(sign);
-            if fraction > 0.0 {
-                let Sloped { value, slope } = self.one_way(point, sign * sliding);
-                mean.value += sign * fraction * value;
-                mean.slope += fraction * slope;
-            }
+        for (sign, fraction) in point.directions() {
+            let Sloped { value, slope } = self.one_way(point, sign * sliding);
+            mean.value += sign * fraction * value;
+            mean.slope += fraction * slope;
         }
         mean
     }

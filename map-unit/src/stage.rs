@@ -1,8 +1,8 @@
 //! One implicit stage: y = base + k f(y).
 //!
 //! For given ratio, drag and belt loss both speeds are linear in the torque T_P, so the sliding
-//! speed is v = v_0 − m T_P(v) with m ≥ 0. This equation is solved by Newton's method in a bracket
-//! with bisection. Ratio, drag and belt loss follow in an outer iteration.
+//! speed is v = v_0 − m T_P(v) with m ≥ 0: Newton's method in a bracket with bisection. Ratio, drag
+//! and belt loss follow in an outer iteration.
 
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::variator::settings::{Drive, Inputs, SPEED_LAG};

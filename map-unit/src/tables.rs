@@ -2,10 +2,9 @@
 //! them.
 //!
 //! A table has the axes force, speed, ratio and one more. It is linear in the force and in the
-//! square of the speed, with which the belt's centrifugal force and the loss by turning elements
-//! grow. Along the ratio, over ln i, and along the last axis it is the monotone cubic through the
-//! given values, in pieces so short that they are straight. Beyond the axes the value at the border
-//! holds.
+//! square of the speed. Along the ratio, over ln i, and along the last axis it is the monotone
+//! cubic through the given values, in short straight pieces. Beyond the axes the value at the
+//! border holds.
 
 use pushbelt::variator::settings::Parameters;
 

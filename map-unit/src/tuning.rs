@@ -1,6 +1,5 @@
 //! Accuracy against time, and bounds of iterations. Relative changes of slip, loss, speeds and
-//! ratio with half and double the number were measured in 13 runs: steady starts, shifts, slipping
-//! through, reverse running, cylinders with seals.
+//! ratio with half and double the number were measured in 13 runs.
 
 /// Longest step, s. Half or double: 2e-3 of the slip after a jump of a set point, else 2e-4.
 pub const LONGEST: f64 = 1e-2;

@@ -183,7 +183,6 @@ impl MapUnit {
 impl Unit for MapUnit {
     type Settings = Settings;
     type Readings = Readings;
-    /// The inputs over it.
     type Step = InputProfile;
 
     const IDENTITY: Identity = Identity {

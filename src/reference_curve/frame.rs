@@ -1,24 +1,18 @@
 //! The curve around two pulleys with arcs about displaced centres, and its derivatives along a path
 //! of its coordinates.
 //!
-//! On a tilted sheave, elements of constant penetration are at ϱ = R/(1 + (ψ_x cos θ + ψ_y sin
-//! θ)/tan β), to first order a circle about a displaced centre. The curve about centres at the
-//! distance d_A + a is that of two pulleys, turned clockwise by an angle γ and shifted by s:
+//! The curve about centres at the distance d_A + a is that of two pulleys, turned clockwise by an
+//! angle γ and shifted by s: r(ξ, Θ, a, γ, s) = M + s + Γ(γ) (r₀(ξ, Θ, d_A + a) − M), M the middle
+//! between the axes. A ring that stretches grows by δ along its outward normal: its arcs have the
+//! radii r_P + δ and r_S + δ. ξ remains the length along the curve without growth, so |r'| = 1 +
+//! δκ, with κ the turning per dξ.
 //!
-//! r(ξ, Θ, a, γ, s) = M + s + Γ(γ) (r₀(ξ, Θ, d_A + a) − M), M the middle between the axes.
+//! Of the derivatives only ∂/∂a is new: the closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a =
+//! −(b/d)/W, W = π − φ + i φ; the derivatives of φ and b cancel.
 //!
-//! A ring that stretches grows by δ along its outward normal: its arcs have the radii r_P + δ and
-//! r_S + δ, and the loop is longer by 2πδ. ξ remains the length along the curve without growth, so
-//! |r'| = 1 + δκ, with κ the turning per dξ.
-//!
-//! The six coordinates are Θ, spread a, turn γ, shift s (two) and growth δ; both centres are free.
-//! Of their derivatives only ∂/∂a is new. The closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a =
-//! −(b/d)/W, W = π − φ + i φ: the derivatives of φ and b cancel.
-//!
-//! A motion is a path through these coordinates. A frame holds derivatives along a path:
-//! derivatives with respect to Θ on the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the
-//! rates of a motion. The projection of forces uses the first derivatives with respect to each
-//! coordinate: [`CoordinateDerivatives`].
+//! A frame holds derivatives along a path through the six coordinates: those with respect to Θ on
+//! the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the rates of a motion. The projection
+//! of forces uses the first derivatives with respect to each coordinate: [`CoordinateDerivatives`].
 
 use super::{Jet, ReferencePoint, TwoPulley};
 use crate::scalar::{Real, turn_right};
@@ -125,7 +119,6 @@ pub struct TwoPulleyFrame<T: Real> {
     d_shape: [ShapeDerivatives<T>; OF_SHAPE],
 }
 
-/// Derivatives with respect to a coordinate of the shape.
 #[derive(Clone, Copy, Debug)]
 struct ShapeDerivatives<T: Real> {
     centers: [Vector2<T>; 2],
@@ -171,14 +164,13 @@ struct Dimensions<V> {
     b: V,
 }
 
-/// The same on a path, and the derivatives with respect to Θ and spread.
-struct DimensionsOnPath<T> {
-    here: Dimensions<Jet<T>>,
-    by_shape: [Dimensions<T>; OF_SHAPE],
-}
-
-/// The dimensions on a path through Θ and the distance d of the centres.
-fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> DimensionsOnPath<T> {
+/// The dimensions on a path through Θ and the distance d of the centres, and the derivatives with
+/// respect to Θ and spread.
+fn dimensions<T: Real>(
+    curve: &TwoPulley,
+    theta: &Jet<T>,
+    d: &Jet<T>,
+) -> (Dimensions<Jet<T>>, [Dimensions<T>; OF_SHAPE]) {
     let by_theta = ratio(theta.v);
     let ratio = Jet {
         v: by_theta.v,
@@ -232,18 +224,17 @@ fn dimensions<T: Real>(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> Dimensi
             b: (d.v * d_d - delta * d_delta) * per_b,
         }
     };
-    DimensionsOnPath {
-        by_shape: [
-            derivatives(by_i * i_theta, i_theta, T::zero()),
-            derivatives(by_d, T::zero(), T::one()),
-        ],
-        here: Dimensions {
-            r_p,
-            r_s: ratio.times(r_p),
-            phi: jet(phi, phi_dot, phi_ddot),
-            b: jet(b, b_dot, b_ddot),
-        },
-    }
+    let by_shape = [
+        derivatives(by_i * i_theta, i_theta, T::zero()),
+        derivatives(by_d, T::zero(), T::one()),
+    ];
+    let here = Dimensions {
+        r_p,
+        r_s: ratio.times(r_p),
+        phi: jet(phi, phi_dot, phi_ddot),
+        b: jet(b, b_dot, b_ddot),
+    };
+    (here, by_shape)
 }
 
 /// i_g with its derivatives with respect to Θ.
@@ -264,39 +255,23 @@ fn symmetric<V: Copy>(half: V, strand: V, arc: V) -> [V; SEGMENTS] {
 
 /// Pulley of each segment: of an arc its own, of a strand the one at its start.
 const PULLEYS: [usize; SEGMENTS] = [0, 0, 1, 1, 0];
-/// Tangent angle over a segment: its value at the start and its change along it, rad, and the factors
-/// of φ in both.
-struct SegmentAngle {
-    start: f64,
-    start_by_phi: f64,
-    sweep: f64,
-    sweep_by_phi: f64,
-}
-
-impl SegmentAngle {
-    const fn new(start: f64, start_by_phi: f64, sweep: f64, sweep_by_phi: f64) -> Self {
-        Self {
-            start,
-            start_by_phi,
-            sweep,
-            sweep_by_phi,
-        }
-    }
-
-    /// The factor of φ at a fraction of the segment.
-    #[inline(always)]
-    fn by_phi<V: Real>(&self, fraction: V) -> V {
-        fraction * self.sweep_by_phi + self.start_by_phi
-    }
-}
-
-const ANGLES: [SegmentAngle; SEGMENTS] = [
-    SegmentAngle::new(0.0, 0.0, 0.0, 1.0),
-    SegmentAngle::new(0.0, 1.0, 0.0, 0.0),
-    SegmentAngle::new(0.0, 1.0, 2.0 * PI, -2.0),
-    SegmentAngle::new(2.0 * PI, -1.0, 0.0, 0.0),
-    SegmentAngle::new(2.0 * PI, -1.0, 0.0, 1.0),
+/// Tangent angle over each segment: its value at the start and its change along it, rad.
+const ANGLES: [[f64; 2]; SEGMENTS] = [
+    [0.0, 0.0],
+    [0.0, 0.0],
+    [0.0, 2.0 * PI],
+    [2.0 * PI, 0.0],
+    [2.0 * PI, 0.0],
 ];
+/// The factors of φ in both.
+const BY_PHI: [[f64; 2]; SEGMENTS] = [[0.0, 1.0], [1.0, 0.0], [1.0, -2.0], [-1.0, 0.0], [-1.0, 1.0]];
+
+/// The factor of φ in the tangent angle at a fraction of a segment.
+#[inline(always)]
+fn by_phi<V: Real>(segment: usize, fraction: V) -> V {
+    let [start, sweep] = BY_PHI[segment];
+    fraction * sweep + start
+}
 
 #[inline(always)]
 fn is_strand(segment: usize) -> bool {
@@ -313,9 +288,9 @@ impl<T: Real> TwoPulleyFrame<T> {
     /// Tangent angle χ at `fraction` of a segment, rad.
     #[inline(always)]
     pub fn angle(&self, segment: usize, fraction: T::Constant) -> Jet<T> {
-        let angle = &ANGLES[segment];
-        let mut chi = self.turn.plus_scaled(self.phi, angle.by_phi(fraction));
-        chi.v += T::constant(fraction * angle.sweep + angle.start);
+        let [start, sweep] = ANGLES[segment];
+        let mut chi = self.turn.plus_scaled(self.phi, by_phi(segment, fraction));
+        chi.v += T::constant(fraction * sweep + start);
         chi
     }
 
@@ -384,7 +359,7 @@ impl<T: Real> TwoPulleyFrame<T> {
                 (start + along * fraction, T::zero())
             } else {
                 let pulley = PULLEYS[segment];
-                let chi = ANGLES[segment].by_phi(fraction) * d.phi;
+                let chi = by_phi(segment, fraction) * d.phi;
                 let across = n * -d.radius[pulley];
                 (
                     d.centers[pulley] + across + t * ((self.radius[pulley].v + self.growth.v) * chi),
@@ -449,7 +424,7 @@ impl TwoPulley {
         } = *path;
         let axes = self.center_distance;
         let distance = spread.plus_scaled(Jet::constant(axes), 1.0);
-        let DimensionsOnPath { here, by_shape } = dimensions(self, &theta, &distance);
+        let (here, by_shape) = dimensions(self, &theta, &distance);
         let Dimensions { r_p, r_s, phi, b } = here;
         let radius = [r_s, r_p];
         let grown = radius.map(|radius| radius.plus_scaled(growth, 1.0));

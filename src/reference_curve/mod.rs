@@ -1,10 +1,9 @@
 //! The reference curve (paper 2, 3.1, 5.1): a closed planar curve r(ξ, Θ) of fixed length L that
 //! changes with one ratio coordinate Θ, divided into segments on which it is smooth.
 //!
-//! A mesh point η is a segment and a fraction f ∈ [0, 1] of it; ξ(η, Θ) moves with Θ while the
-//! point stays on its own arc or strand. Derivatives with respect to Θ are taken at fixed η. The
-//! curve runs clockwise: tangent t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), tangent
-//! angle χ growing, t' = κ n, n' = −κ t.
+//! A mesh point η is a segment and a fraction f ∈ [0, 1] of it, at which derivatives with respect
+//! to Θ are taken. The curve runs clockwise: tangent t = (sin χ, cos χ), inward normal n = (cos χ,
+//! −sin χ), tangent angle χ growing, t' = κ n, n' = −κ t.
 
 mod frame;
 mod jet;

@@ -1,10 +1,9 @@
-//! The reference curve of a variator (paper 5.1): two arcs and two strands, eq. (27) and (28).
+//! The reference curve of a variator (paper 5.1): two arcs and two strands, eq. (27) and (28);
+//! `docs/theory.md`, section 2.
 //!
-//! With i_g = (1−Θ)/(1+Θ), r_S = i_g r_P, φ = arccos((r_P−r_S)/d_A), b = √(d_A² − (r_P−r_S)²) the
-//! closure (27) L = 2b + 2 r_P(π−φ) + 2 r_S φ gives r_P(Θ). The printed (28) has misprints: ξ_P = ξ
-//! − r_Sφ − b and φ_P = φ + ξ_P/r_P; (29) mirrors at L − ξ. Written with the tangent angle χ the
-//! whole loop is one formula: arc points O + r(−cos χ, sin χ) with χ from 0 to φ on S, φ to 2π−φ on
-//! P, 2π−φ to 2π on S.
+//! The closure (27) gives r_P(Θ). The printed (28) has misprints: ξ_P = ξ − r_Sφ − b and φ_P = φ +
+//! ξ_P/r_P; (29) mirrors at L − ξ. Written with the tangent angle χ the whole loop is one formula:
+//! arc points O + r(−cos χ, sin χ) with χ from 0 to φ on S, φ to 2π−φ on P, 2π−φ to 2π on S.
 
 use crate::pulley::PerPulley;
 use crate::scalar::Real;
@@ -68,7 +67,6 @@ impl TwoPulley {
         self.length
     }
 
-    /// Closure (27) at ratio `ratio`.
     fn closure(&self, r_p: f64, ratio: f64) -> Closure {
         let (d, difference) = (self.center_distance, r_p - ratio * r_p);
         let phi = (difference / d).acos();
@@ -83,8 +81,7 @@ impl TwoPulley {
     /// r_P at ratio `ratio`, m; NaN where there is none.
     pub(super) fn primary_radius(&self, ratio: f64) -> f64 {
         // L = 2d_A + π(r_P + r_S) + d_A (x² + x⁴/12 + x⁶/40 + …) with x = (r_P − r_S)/d_A. The
-        // start value solves the quadratic equation and is corrected by the next two terms at that
-        // solution.
+        // start value solves the quadratic equation, corrected by the next two terms.
         let d = self.center_distance;
         let (square, linear) = ((1.0 - ratio) * (1.0 - ratio) / d, PI * (1.0 + ratio));
         let rest = self.length - 2.0 * d;

@@ -1,32 +1,19 @@
-//! The ALE ring as a Kirchhoff beam: inertia and elastic energy (paper 4). One law in the plane (D
-//! = 2) and in space.
+//! The ALE ring as a Kirchhoff beam: inertia and elastic energy (paper 4; `docs/theory.md`, section
+//! 3). One law in the plane (D = 2) and in space.
 //!
 //! Energy V = ½∫EA γ² dξ + ½∫EI κ_n² dξ (17), γ = |r'| − 1 (20), stress-free when straight. The
-//! paper's κ_n = n_refᵀ r'' mixes stretch into bending; here
-//!
-//! κ_n = n_refᵀ r'' − κ_ref (t_refᵀ r' − 1).
-//!
-//! In space V also contains ½∫EI_b κ_b² dξ, κ_b = b_refᵀ r'' = −w'' (24), with w the deflection
-//! along z, and γ contains w'. b_ref = −e_z is constant, so bending and transport of w are those of
-//! a straight beam; |r'| alone couples them to the deflection in the plane. (24) neglects the twist
-//! φ of the sections: with it, on an arc, −κ_b = w'' + κ_ref φ and the torsion is φ' − κ_ref w'.
-//! φ = 0 means that sections stay upright, as elements between two flanks hold them. On strands
-//! (κ_ref = 0) nothing is neglected, and the torsional stiffness of a thin band is small (G t³/3
-//! against E w³/12·t). A shift along z therefore has no energy, but a tilt of a whole free circle by
-//! ψ has ½ EI_b ∮w''² dξ = ½π EI_b ψ²/R, because its sections do not tilt with it.
+//! paper's κ_n = n_refᵀ r'' mixes stretch into bending; here κ_n = n_refᵀ r'' − κ_ref (t_refᵀ r' −
+//! 1). In space V also contains ½∫EI_b κ_b² dξ, κ_b = −w'' (24) with the deflection w along z:
+//! sections stay upright, as elements between two flanks hold them.
 //!
 //! V is differentiated at fixed η, dξ = ξ_η dη included. The result contains the border terms
 //! ½EI\[κ²\] dξ_k/dΘ that the paper's (18), (23b) lose where κ_ref jumps at a moving arc border.
 //!
-//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ, not as printed in (14), (26b). A form that conserves energy and
-//! drift momentum of the discrete ring exactly differs by ∮∂(m_r w v·δr)/∂ξ dξ = 0, which
-//! quadrature integrates inexactly.
+//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ, not as printed in (14), (26b).
 //!
-//! Kelvin–Voigt damping acts on the material strain rate: T = EA (γ + η Dγ/Dt), with the virtual
-//! power of Dγ/Dt, so it dissipates exactly ∫EA η (Dγ/Dt)² dξ. In Dγ/Dt = γ̇ + w γ', γ' is its mean
-//! over a cell of the mesh, second-order accurate and dissipative in every motion: damping with the
-//! pointwise γ' excites waves as short as an element (`docs/decisions.md`; at 57 m/s they grew by a
-//! factor of four in a millisecond).
+//! Kelvin–Voigt damping T = EA (γ + η Dγ/Dt) has the virtual power of Dγ/Dt = γ̇ + w γ', with the
+//! mean of γ' over a cell of the mesh: the pointwise γ' excites waves as short as an element
+//! (`docs/decisions.md`).
 
 use super::Ring;
 use super::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};

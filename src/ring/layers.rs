@@ -1,43 +1,20 @@
 //! Friction between the layers of the ring, and in the joints of a pull chain: laws without state.
 //!
-//! A ring set is a stack of n thin bands, each of one speed around the whole loop. On an arc of
-//! radius R bands a thickness t apart would have to differ in speed by v t/R to move together. They
-//! do so on the pulley that holds the layers more firmly, and slip by v t |1/R_P − 1/R_S| on the
-//! other. There the interface below layer j + 1 carries the normal load of the n − j layers outside
-//! it; the sum over all interfaces is (n − 1)/2 of the whole load. T − m_r ṡ² is the part of the
-//! tension that causes normal load. The drag along the ring per length of that arc, against its
-//! motion v, is
+//! n layers of thickness t, each of one speed around the loop, hold together on one pulley and slip
+//! on the other, the one with the smaller radius and wrap. There the interface below layer j + 1
+//! carries the normal load of the n − j layers outside it. The drag along the ring per length of
+//! that arc, against its motion v (`docs/theory.md`, (3.10)), is
 //!
-//! f = μ_l t |1/R_P − 1/R_S| (n − 1)/2 · ⟨T − m_r ṡ²⟩₊ κ · v/√(v² + v₀²),
+//! f = μ_l t |1/R_P − 1/R_S| (n − 1)/2 · ⟨T − m_r ṡ²⟩₊ κ · v/√(v² + v₀²).
 //!
-//! with the power μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α over the arc. Parallel ring sets
-//! share the tension, so together they dissipate as much as one.
+//! The share of a pulley goes from 0 to 1 as the difference of curvatures passes `EVEN`. The power
+//! is exact; that the drag acts on the ring alone is a simplification (`docs/limits.md`).
 //!
-//! The power is exact; the place where it acts is a simplification. The friction in a real ring
-//! transfers tension between the layers, with a couple on each pulley; here the drag acts on the
-//! ring alone: some newtons, with a tension of kilonewtons. The error of the strands' moment about
-//! a pulley is 0.3 N·m in overdrive at 20 kN.
-//!
-//! **Speeds.** The model has one speed of the ring, and the elements slide on it at the innermost
-//! layer. With speeds v_i of their own, friction on each layer sums to zero around the loop, so the
-//! friction of each interface does. Its load differs between the arcs, so it sticks on the stronger
-//! arc: v_i+1 − v_i = v t/R there, and slides by v t |1/R_P − 1/R_S| on the other, as above. The sum
-//! of the elements' friction on the innermost layer is zero in both, so v_1 and that friction are
-//! those of the model, whose speed of the ring is v_1: the mean of the layers is (n − 1) t/2R
-//! faster, 1 to 2 %.
-//!
-//! The layers slip on the pulley with the smaller radius and wrap. Its share goes from 0 to 1 as
-//! the difference of curvatures passes `EVEN`. There the loss is small; at ratio 1 it and its slope
-//! are zero.
-//!
-//! **Joints.** Neighbouring links of a chain turn against each other where its curvature changes:
-//! by 1/R per length where it enters an arc, and back where it leaves. Under the tension T a joint
-//! whose friction acts at the radius r_j resists with the moment T r_j, so each border of an arc
-//! takes the power T r_j |v|/R. As a drag along the chain per length of the arc, of wrap angle α,
+//! **Joints.** Links of a chain turn against each other by 1/R per length at both borders of an
+//! arc, against the moment T r_j of a joint. As a drag along the chain per length of the arc, of
+//! wrap angle α (3.11),
 //!
 //! f = 2 r_j/(R α) · T κ · v/√(v² + v₀²).
-//!
-//! The power is exact where the tension is uniform; the drag is spread over the arc.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::scalar::Real;

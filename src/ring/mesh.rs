@@ -1,7 +1,5 @@
 //! Division of the reference curve into ring elements, and of the elements into quadrature points.
-//!
-//! Element borders lie on the segment borders for every Θ, so every quadrature point stays on its
-//! own arc or strand, and all integrals are smooth in Θ.
+//! Element borders lie on the segment borders for every Θ, so all integrals are smooth in Θ.
 
 use super::kinematics::Hermite;
 use std::f64::consts::TAU;

@@ -1,17 +1,11 @@
 //! Stress in the layers of the ring, from tension and curvature along the belt: a law without
-//! state.
+//! state. Equations: `docs/theory.md`, (3.12) and (3.13).
 //!
-//! Two ring sets of n layers share the tension T. Each layer has one speed around the loop, so on
-//! one pulley all layers slip, each against the one below ([`layers`](super::layers)). They slip
-//! backwards, because the outer ones have further to go, and friction pulls them forwards: with θ
-//! the angle of travel on that arc, the tension T_j outside interface j follows
-//!
-//! dT_j/dθ = −μ_l (T_j − m_j ṡ²), m_j the mass of the layers outside it,
-//!
-//! and returns on the other pulley, where the layers stick, taken as linear in the angle. Strands
-//! change no T_j. The equations differ by the share (n − j)/n of the layers outside alone. With
-//! equal ∮T_j dξ per layer (layers that fit one another are stretched alike) their solution is one
-//! function of the place: a layer other than the innermost has T_o/n,
+//! Two ring sets of n layers share the tension T. On one pulley all layers slip backwards, each
+//! against the one below ([`layers`](super::layers)); with θ the angle of travel on that arc, the
+//! tension T_j outside interface j follows dT_j/dθ = −μ_l (T_j − m_j ṡ²). It returns on the other
+//! pulley, where the layers stick, taken as linear in the angle. With equal ∮T_j dξ per layer, one
+//! other than the innermost has T_o/n,
 //!
 //! T_o = m_r ṡ² + A g(θ), with g the decay and the return, and A from ∮T_o dξ = ∮T dξ.
 //!
@@ -23,18 +17,9 @@
 //! other as the loss does.
 //!
 //! A layer of width w and thickness t has the stress T/(2 w t) ± ½ E t (κ − κ₀) at its outer and at
-//! its inner face, with the tension T of both sets, E = EA/(2 n w t), κ the curvature of the ring's
-//! centre line and κ₀ that of a layer without stress.
-//!
-//! Simplifications: friction is rigid-plastic, so a reversal of the load acts at once; the
-//! curvature is that of the centre line, although the innermost layer of nine bends 2 % more on the
-//! smallest radius; a layer is much wider than thick, so its stiffness in bending lies between E
-//! and E/(1 − ν²), the bound with 10 % more stress of bending; contact stress on the saddle and at
-//! the edges is left out.
-//!
-//! In a revolution a face has two cycles of stress, one on each pulley. Rainflow counting combines
-//! the higher peak with the lower valley, and the other two with each other. The peaks of an outer
-//! face are on the arcs, those of an inner face on the strands.
+//! its inner face. A revolution has two cycles, one on each pulley; rainflow counting combines the
+//! higher peak with the lower valley, and the other two. The peaks of an outer face are on the
+//! arcs, those of an inner face on the strands.
 
 use super::Ring;
 use super::layers::{Layers, slip};

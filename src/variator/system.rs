@@ -94,7 +94,6 @@ impl VariatorSystem {
         }
     }
 
-    /// Values at the stations of each group of cells.
     pub(crate) fn sample(&self, view: View<'_>, out: &mut Vec<Sample<Lanes>>) -> RingEnergy {
         let belt = &*self.belt;
         out.resize(belt.mesh.groups.len() * belt.mesh.points, Sample::default());

@@ -193,25 +193,6 @@ fn real_time_follows_an_accurate_chain() {
     }
 }
 
-/// A standstill, a launch and a stop.
-#[test]
-fn starts_without_load_are_smooth() {
-    for model in MODELS {
-        let mut parameters = in_real_time(coarse(model), USUAL);
-        parameters.initial.primary_speed = 0.0;
-        let mut variator = started(parameters, &inputs((0.0, 13e3), (0.0, 10e3)));
-        assert!(variator.outputs().secondary.axial_force > 9e3, "clamped before the run");
-        for k in 1..=300 {
-            let torque = if k < 200 { 40.0 } else { 0.0 };
-            let given = inputs((torque, 13e3), (-0.5 * torque, 10e3));
-            variator.advance(1e-3 * f64::from(k), &given).expect("a step");
-            let speed = variator.outputs().primary.speed;
-            assert!(speed.is_finite() && speed < 400.0, "{model:?} {k}");
-        }
-        assert!(variator.outputs().primary.speed > 20.0, "{model:?}: it has been driven");
-    }
-}
-
 /// Behind the clock too the outputs have the inputs of the clock's time.
 #[test]
 fn external_torques_are_those_of_the_clock() {

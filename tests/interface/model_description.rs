@@ -59,25 +59,15 @@ fn value_references_do_not_change() {
     let table = VariatorUnit::table();
     for (name, reference) in [
         ("primary.torque", 101),
-        ("secondary.torque", 201),
-        ("primary.clampingForce", 102),
         ("secondary.clampingForce", 202),
         ("secondary.speedSetpoint", 203),
         ("thrustRatio", 1),
-        ("belt.speed", 2),
-        ("macroSlip", 10),
         ("pastPeak", 38),
-        ("ring.tensionMin", 17),
-        ("energy.residual", 19),
-        ("secondary.speed", 211),
         ("spiral.primary", 118),
         ("primary.drive", 131),
         ("secondary.maxRadius", 239),
-        ("ring.model", 1001),
-        ("initial.equilibrium", 1014),
         ("friction.pulley", 1051),
         ("solver.maxStep", 1082),
-        ("profile.position[1]", 10_001),
         ("profile.slidingSpeed[72]", 10_572),
     ] {
         let variable = table.by_name(name).unwrap_or_else(|| panic!("{name} is missing"));

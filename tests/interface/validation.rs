@@ -4,7 +4,7 @@
 use pushbelt::fmi::table::{Access, Kind};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{
-    Inputs, ParameterError, Parameters, RingModel, Setting, inputs, parameters, range_of,
+    Inputs, ParameterError, Parameters, RingModel, Setting, inputs, parameters,
 };
 
 fn refused(change: impl FnOnce(&mut Parameters)) -> ParameterError {
@@ -84,43 +84,29 @@ fn every_parameter_and_input_refuses_what_is_beyond_its_range() {
     assert_eq!(open.validate(), Ok(()), "an open pulley is legal");
 }
 
-#[test]
-fn stiffness_mass_and_mesh_must_be_above_zero() {
-    let names = "belt.pushStiffness ring.axialStiffness ring.bendingStiffness contact.stiffness secondary.tiltStiffness \
-                 belt.massPerLength primary.inertia friction.velocity solver.maxStep mesh.primaryArc mesh.cellsPerElement";
-    for name in names.split_whitespace() {
-        assert!(*range_of(name).expect("a range").start() > 0.0, "{name}");
-    }
-}
-
 /// Parameters that don't fit each other: a change, the variable and value that the error names, and
 /// a part of the range.
 #[test]
 fn what_does_not_fit_is_named_with_variable_value_and_range() {
     type Case = (fn(&mut Parameters), &'static str, &'static str, &'static str);
     #[rustfmt::skip]
-    let cases: [Case; 18] = [
+    let cases: [Case; 13] = [
         (|p| p.mesh.secondary_arc = 7, "mesh.secondaryArc", "7", "an even number"),
         // The wedge must open wider than the friction angle.
         (|p| p.friction.pulley = 0.2, "geometry.wedgeAngle", "", "friction.pulley = 0.2"),
         (|p| p.geometry.wedge_angle = 0.089, "geometry.wedgeAngle", "0.089", ""),
         (|p| (p.ring_model, p.spatial) = (RingModel::Ale0, true), "ring.spatial", "true", "unless ring.model"),
         // The belt must reach around pulleys that do not touch.
-        (|p| p.geometry.belt_length = 0.1, "geometry.beltLength", "0.1", ""),
         (|p| p.geometry.belt_length = 0.336, "geometry.beltLength", "0.336", "between 0.342"),
         (|p| p.geometry.belt_length = 0.3422, "geometry.beltLength", "0.3422", "between 0.342"),
         (|p| p.geometry.belt_length = 0.9, "geometry.beltLength", "0.9", ""),
         (|p| p.geometry.center_distance = 0.4, "geometry.beltLength", "", ""),
         (|p| p.belt.play = 0.0701, "belt.play", "0.0701", "a tenth of the belt"),
         (|p| p.primary.min_radius = 0.082, "primary.minRadius", "", "below primary.maxRadius = 0.082"),
-        (|p| p.initial.ratio = 3.0, "initial.ratio", "3", ""),
-        (|p| p.initial.ratio = 1.0 / 3.0, "initial.ratio", "", ""),
         (|p| p.initial.ratio = 90.0, "initial.ratio", "90", ""),
         (|p| p.initial.ratio = 0.011, "initial.ratio", "0.011", ""),
         // No pair of radii within these stops closes the belt.
         (|p| (p.primary.max_radius, p.secondary.max_radius) = (0.040, 0.040), "", "", "none"),
-        (|p| p.geometry.wedge_angle = f64::NAN, "geometry.wedgeAngle", "NaN", ""),
-        (|p| p.friction.pulley = -1.0, "friction.pulley", "-1", ""),
     ];
     for (change, variable, value, range) in cases {
         let error = refused(change);

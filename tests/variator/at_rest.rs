@@ -1,7 +1,8 @@
 //! Starts at rest. Coulomb friction leaves the forces of a belt at rest open: a run starts with
 //! those of a belt that crept, and they hardly depend on how friction is regularised.
 
-use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Parameters, RingModel, StartState};
+use pushbelt::variator::settings::StartState::{self, Clamped, ReducedTorque, Steady, Unloaded};
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Parameters, RingModel};
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::run::Run;
 use pushbelt_support::variators::{MODELS, coarse, inputs, variator};
@@ -56,11 +57,7 @@ fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
         for given in [0.0, 60.0, -30.0] {
             let force = |speed: f64, velocity: f64| {
                 let mut run = Run::new(held(variator(model), speed, velocity), torque(given));
-                let expected = if speed == 0.0 {
-                    StartState::Clamped
-                } else {
-                    StartState::Steady
-                };
+                let expected = if speed == 0.0 { Clamped } else { Steady };
                 assert_eq!(run.outputs().start_state, expected, "{model:?}, {given} N·m");
                 primary_force(&mut run)
             };
@@ -68,9 +65,6 @@ fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
             // friction.
             let [slow, fast] = [10.0, 40.0].map(|speed| force(speed, 1e-5));
             let at_rest = VELOCITIES.map(|velocity| force(0.0, velocity));
-            println!(
-                "{model:?}, {given} N·m: at rest {at_rest:.0?} N, running slowly {slow:.0} and {fast:.0} N"
-            );
             assert_close(slow, fast, 0.02, "two slow speeds");
             for force in at_rest {
                 assert_close(force, at_rest[0], 0.05, "friction velocities");
@@ -98,7 +92,6 @@ fn a_launch_loses_as_much_under_sharp_friction() {
                 }
                 run.variator.energy_balance().lost
             });
-            println!("{model:?}: {lost:.2?} J in {span} s");
             assert_close(lost[1], lost[2], 0.05, "sharp friction");
             assert!(lost[0] < 1.05 * lost[2], "the default");
             assert!(at_start == 0.0 || lost[0] > 0.95 * lost[2], "the default");
@@ -131,10 +124,6 @@ fn stop_and_go_returns_to_the_force() {
             }
             primary_force(&mut run)
         });
-        println!(
-            "{velocity} m/s: {before:.0} N, standing {:.0?} after a stop and {:.0?} from a start, then {after:.0?} N",
-            standing[0], standing[1]
-        );
         for force in after {
             assert_close(force, before, 0.05, "force after the next start");
         }
@@ -159,7 +148,7 @@ fn a_driven_belt_under_two_forces_carries_its_torque() {
         };
         let mut driven = start(inputs((60.0, 13e3), (0.0, FORCE)));
         let o = driven.outputs();
-        assert_eq!(o.start_state, StartState::Clamped);
+        assert_eq!(o.start_state, Clamped);
         assert_close(o.primary.axial_force, 13e3, 0.02, "primary force");
         assert_close(o.secondary.axial_force, FORCE, 0.02, "secondary force");
         assert_close(o.primary.shaft_torque, -57.0, 0.4, "torque of the belt");
@@ -196,7 +185,6 @@ fn real_time_starts_alike() {
 /// has.
 #[test]
 fn a_start_at_rest_is_reported() {
-    use StartState::{Clamped, ReducedTorque, Unloaded};
     type Case = (fn(&mut Parameters), Inputs, StartState, &'static [&'static str]);
     let both: fn(&mut Parameters) = |p| p.secondary.axial = Axial::Held;
     let other: fn(&mut Parameters) = |p| (p.primary.axial, p.secondary.axial) = (Axial::Force, Axial::Held);

@@ -184,26 +184,6 @@ fn seals_make_a_hysteresis_of_thrust_over_position() {
     assert_close(seal_friction - free, 2.0 * seal, 0.01, "width of the loop");
 }
 
-/// Seals hold against half their friction, but for the creep of the regularised law.
-#[test]
-fn seals_creep_no_faster_than_their_regularisation() {
-    let seal = 400.0;
-    let creep = |seal: f64| {
-        let parameters = with(coarse(RingModel::Ale0), Cylinder { seal, ..bare(0.01) });
-        let mut given = by_pressure(inputs((0.0, 11e3), (0.0, 10e3)), 0.01);
-        given.primary.pressure = started(parameters.clone(), &given).outputs().primary.axial_force / 0.01;
-        let mut run = Run::new(parameters, given);
-        run.inputs.primary.pressure += 0.5 * 400.0 / 0.01;
-        run.go(0.05, 1e-3).primary.sheave_velocity
-    };
-    let (seal_friction, free) = (creep(seal), creep(0.0));
-    // v/√(v² + v₀²) = 1/2.
-    assert!(
-        seal_friction.abs() < Parameters::default().friction.velocity / 3.0_f64.sqrt()
-            && seal_friction.abs() < free.abs()
-    );
-}
-
 /// Springs and rotating oil are in the starts: steady, at equilibrium and at a standstill.
 #[test]
 fn starts_are_those_of_the_whole_forces() {

@@ -1,9 +1,8 @@
 //! A row of values that is written once and read back in the same order.
 //!
 //! A structure that is stored writes its values to an [`Archive`] or reads them from one, by one
-//! function for both directions. So values are read in the order in which they were written.
-//! Numbers keep their bits. A structure is built before its values are read, so the lengths are
-//! known, and an archive that does not fit is rejected.
+//! function for both directions. Numbers keep their bits. A structure is built before its values
+//! are read, so an archive that does not fit is rejected.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -1,9 +1,8 @@
 //! `modelDescription.xml` of both versions, generated from the variable table, and the token made
-//! from it: the GUID of FMI 2.0, the instantiation token of FMI 3.0.
+//! from it.
 //!
-//! Names, value references, units and limits are the same in both. The elements of an array in FMI
-//! 2.0 are one array in FMI 3.0, with the value reference of its first element. Its size is fixed:
-//! FMI 2.0 names each element.
+//! The elements of an array in FMI 2.0 are one array in FMI 3.0, with the value reference of its
+//! first element. Its size is fixed: FMI 2.0 names each element.
 
 use super::hash;
 use super::log::Category;
@@ -32,9 +31,8 @@ pub fn model_description<U: Unit>(version: Version, data: Option<u128>) -> Strin
 }
 
 /// The GUID of FMI 2.0 or instantiation token of FMI 3.0: a hash of the description without it, in
-/// the form of a GUID, so that description and binary fit each other. The hash of the data is in it
-/// by the bitwise exclusive or: a tool that replaces the data of an FMU can calculate the new token
-/// from the old one.
+/// the form of a GUID. The hash of the data is in it by the bitwise exclusive or: a tool that
+/// replaces the data of an FMU can calculate the new token.
 #[must_use]
 pub fn token<U: Unit>(version: Version, data: Option<u128>) -> String {
     let description = describe::<U>(version, "").document();
@@ -160,7 +158,6 @@ fn log_categories() -> Element {
     }))
 }
 
-/// The independent variable.
 fn time() -> Element {
     Element::new("Float64")
         .with("name", "time")

@@ -4,10 +4,8 @@
 //! A model implements [`Unit`]: settings that the importer writes (parameters and inputs), readings
 //! that it reads, a start and a step; and one [`Table`] that binds each variable's name to its
 //! field. The C functions and `modelDescription.xml` come from the table. [`export!`] exports the C
-//! functions; `examples/lag.rs` is a whole FMU.
-//!
-//! Without the default feature `c` there are the table and the description alone, also for machines
-//! without a C library, such as browsers.
+//! functions; `examples/lag.rs` is a whole FMU. Without the default feature `c` there are the table
+//! and the description alone.
 //!
 //! There are no threads, and every instance owns all its data. The only global is the choice of the
 //! library in portable builds (`c::dispatch`).

@@ -54,7 +54,6 @@ impl From<()> for Status {
 #[cfg(feature = "c")]
 pub(crate) type Sink = Box<dyn Fn(Status, Category, &str)>;
 
-/// A sink with a choice of categories.
 #[cfg(feature = "c")]
 pub(crate) struct Log {
     sink: Option<Sink>,
@@ -84,8 +83,7 @@ impl Log {
     /// Chooses what is logged with `debug`: errors and these categories, or all if there is none.
     /// Without it errors, warnings and discards are logged: they are no debug messages, and
     /// `loggingOn` is about these (section 2.1.5 of FMI 2.0; section 2.3.1 of 3.0.2 forbids any
-    /// message, 3.0.3 corrects that for errors). So a start that was not found is seen. A host that
-    /// reads none passes no function for messages.
+    /// message, 3.0.3 corrects that for errors).
     pub fn choose(&mut self, debug: bool, chosen: &[Category]) {
         self.enabled = match (debug, chosen) {
             (false, _) => vec![Category::Error, Category::Warning, Category::Discard],

@@ -1,9 +1,7 @@
 //! The resource location: where the importer has unpacked the archive's `resources` directory; and
-//! the content of its files.
-//!
-//! FMI 2.0 passes a `file:` URI and FMI 3.0 a path. Importers pass either in both, with spaces and
-//! percent signs encoded or not, or nothing. So there are several folders to look in; the last one
-//! is beside the library.
+//! the content of its files. FMI 2.0 passes a `file:` URI and FMI 3.0 a path. Importers pass either
+//! in both, encoded or not, or nothing. So there are several folders to look in; the last one is
+//! beside the library.
 
 use std::fs::File;
 use std::io::Read;

@@ -1,13 +1,10 @@
 //! Start values that come with a copy of the FMU: `start-values.txt` in its resources.
 //!
-//! Importers need not pass on the start values of the model description, and many don't. So a copy
-//! with a user's own values contains them for the library too: one `name = value` per line; truth
-//! values are `true` and `false`, items of enumerations are numbers; `#` begins a comment. An
-//! unreadable file is an error; a location that can't be searched is skipped.
-//!
-//! Without the file the defaults hold, but not in such a copy: its token (the GUID of FMI 2.0)
-//! begins as that of the original and has another end, so the library refuses to run it without its
-//! file.
+//! Importers need not pass on the start values of the model description. So a copy with a user's
+//! own values contains them for the library too: one `name = value` per line; truth values are
+//! `true` and `false`, items of enumerations are numbers; `#` begins a comment. An unreadable file
+//! is an error; a location that can't be searched is skipped. The library refuses to run a copy,
+//! whose token has another end than the original's, without its file.
 
 use std::path::PathBuf;
 

@@ -2,9 +2,8 @@
 //! 2.0, sections 2.3 and 4.2 of FMI 3.0). The step mode of FMI 3.0 is [`State::StepComplete`] and,
 //! after a discarded step, [`State::StepFailed`].
 
-/// States of an instance. A step has ended when `fmi2DoStep` returns, so the states "step in
-/// progress" and "step cancelled" never occur; neither does "fatal", since an error in one instance
-/// does not affect others.
+/// States of an instance. The states "step in progress" and "step cancelled" never occur; neither
+/// does "fatal", since an error in one instance does not affect others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// Instantiated: set-up and start values.
@@ -99,8 +98,7 @@ impl Call {
             Self::Get => state.is_running() || matches!(state, Initialisation | Terminated | Error),
             Self::GetOutputDerivatives => state.is_running() || matches!(state, Terminated | Error),
             // After a discarded step FMI 2.0 allows only rollback and the end. This instance is in
-            // the state before the step, as in FMI 3.0, so the importer may also change inputs and
-            // repeat it.
+            // the state before the step, as in FMI 3.0, so the importer may also repeat it.
             Self::Set => state.is_running() || matches!(state, Instantiated | Initialisation),
             Self::DoStep | Self::EnterEventMode => matches!(state, StepComplete | StepFailed),
             Self::GetStatus => matches!(state, StepComplete | StepFailed | Terminated),

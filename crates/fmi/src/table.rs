@@ -459,7 +459,7 @@ pub struct Table<S, R> {
 }
 
 /// A calculated variable, and the settings on which it depends in initialisation mode, by their
-/// names. An importer that couples units sorts by these: with fewer of them it finds fewer loops.
+/// names.
 pub type InitialDependencies = (&'static str, &'static [&'static str]);
 
 /// A variable that an earlier version had. Its value reference is not given again.

@@ -81,10 +81,9 @@ impl Message {
 /// continues exactly as the original would.
 ///
 /// A communication step is [`begin`](Unit::begin), then [`advance`](Unit::advance) until
-/// [`is_over`](Unit::is_over), then [`finish`](Unit::finish). A model without internal steps goes
-/// to the end in one call of `advance`. A step that fails leaves the unit in the state before
-/// `begin`, as FMI 3.0 requires and FMI 2.0 permits: a shorter one, or one with other inputs, may
-/// be possible.
+/// [`is_over`](Unit::is_over), then [`finish`](Unit::finish). A step that fails leaves the unit in
+/// the state before `begin`, as FMI 3.0 requires: a shorter one, or one with other inputs, may be
+/// possible.
 ///
 /// An error is the reason, as a sentence, if possible with variable, value and allowed range.
 pub trait Unit: Clone + Sized {
@@ -105,8 +104,8 @@ pub trait Unit: Clone + Sized {
     /// All variables of the model.
     fn table() -> Table<Self::Settings, Self::Readings>;
 
-    /// The settings of a new instance, with data of the model from the folder of its resources; no
-    /// folder if the importer names none.
+    /// The settings of a new instance, with data of the model from the folder of its resources, if
+    /// there is one.
     ///
     /// # Errors
     /// The data are missing or damaged. There is no instance then.

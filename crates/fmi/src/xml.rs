@@ -6,7 +6,6 @@ use std::io;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesStart, Event};
 
-/// An element with attributes and children.
 pub(super) struct Element {
     tag: &'static str,
     attributes: Vec<(&'static str, String)>,

@@ -199,34 +199,4 @@ mod tests {
             assert!(!invert::<2>(&mut singular.clone()));
         }
     }
-
-    #[test]
-    fn products_are_those_of_any_size() {
-        fn compare<const R: usize, const C: usize>(columns: usize) {
-            let (a, x, y) = (numbers(R * C, 1), numbers(C * columns, 2), numbers(R * columns, 3));
-            for update in [Update::Set, Update::Add, Update::Subtract] {
-                let (mut fixed, mut general, mut single) = (y.clone(), y.clone(), [y.clone(), y.clone()]);
-                gemm::<R, C>(update, R, C, &a, &x, &mut fixed);
-                gemm::<0, 0>(update, R, C, &a, &x, &mut general);
-                for (k, x) in x.chunks_exact(C).enumerate() {
-                    gemv::<R, C>(update, &a, x, &mut single[0][k * R..(k + 1) * R]);
-                    gemv::<0, 0>(update, &a, x, &mut single[1][k * R..(k + 1) * R]);
-                }
-                for other in [general, single[0].clone(), single[1].clone()] {
-                    for (fixed, other) in fixed.iter().zip(&other) {
-                        assert!(
-                            (fixed - other).abs() < 1e-14,
-                            "{R} rows, {C} inner, {columns} columns, {update:?}"
-                        );
-                    }
-                }
-            }
-        }
-        for columns in [1, 2, 3, 5, 8] {
-            compare::<20, 8>(columns);
-            compare::<8, 8>(columns);
-            compare::<3, 5>(columns);
-            compare::<1, 1>(columns);
-        }
-    }
 }

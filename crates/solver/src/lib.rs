@@ -1,8 +1,7 @@
-//! Implicit solution of stiff systems around a loop, independent of any belt.
-//!
-//! A system is F(t, y, ẏ, q) = 0 with q̇ = y for the unknowns that have a position: velocities of a
-//! mechanical system and first-order states stand side by side, positions are eliminated, and the
-//! Jacobian is an [`arrow::Arrow`].
+//! Implicit solution of stiff systems around a loop, independent of any belt: F(t, y, ẏ, q) = 0
+//! with q̇ = y for the unknowns that have a position: velocities of a mechanical system and
+//! first-order states stand side by side, positions are eliminated, and the Jacobian is an
+//! [`arrow::Arrow`].
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

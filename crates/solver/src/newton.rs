@@ -1,6 +1,6 @@
 //! Newton's method for one implicit stage, with reuse of the factored Jacobian. Its work may be
-//! bounded ([`WorkBound`]): the solution then stops before a Jacobian that takes more than the
-//! remaining work, and continues there.
+//! bounded ([`WorkBound`]): the solution then stops before a Jacobian that takes more, and
+//! continues there.
 
 use super::arrow::{Arrow, ArrowLu};
 use super::broyden::{self, Step};
@@ -399,7 +399,6 @@ impl Newton {
         Ok(())
     }
 
-    /// The residual at `stage.state.y`.
     fn evaluate(&mut self, system: &mut impl System, stage: &mut Stage) {
         stage.complete(system.has_position());
         system.residual(stage.time, stage.state.view(), &mut self.residual);
@@ -407,7 +406,6 @@ impl Newton {
         self.bound.remaining -= 1.0;
     }
 
-    /// Newton correction from the present residual and factors.
     fn correct(&mut self) {
         self.correction.copy_from_slice(&self.residual);
         self.kept[self.present].lu.solve(&mut self.correction);
@@ -477,10 +475,9 @@ impl Newton {
 
     /// Moves along the correction to a point that the natural monotonicity test accepts (Deuflhard,
     /// Newton Methods for Nonlinear Problems, 2011, section 3.3): the simplified correction there
-    /// is smaller. Returns whether that is the whole step. A shorter one ends, by bisection, where
-    /// the correction no longer points along the step: where an arc slides the other way with all
-    /// its cells at once, the correction beyond leads back. The residual there is known, and after
-    /// a whole step the correction.
+    /// is smaller. Returns whether that is the whole step, after which the correction is known; the
+    /// residual is in any case. A shorter one ends, by bisection, where the correction no longer
+    /// points along the step: beyond, where an arc slides the other way, it leads back.
     fn search(&mut self, system: &mut impl System, stage: &mut Stage) -> Result<bool, Unsolved> {
         let norm = self.norm();
         if !norm.is_finite() {

@@ -1,10 +1,10 @@
 //! Time integration: SDIRK of two stages and order two, L-stable and stiffly accurate (Alexander
 //! 1977, γ = 1 − 1/√2).
 //!
-//! It is a one-step method without an explicit stage, so a jump of the inputs needs no restart and
-//! a snapshot is y, ẏ, q and the step size. The error is measured against a formula with weights on
-//! c = 0, γ, 1, where the slope at c = 0 is the last one of the step before. It is of third order
-//! where the state doesn't act on its slope; for ẏ = −y the estimate is a seventh of the error.
+//! It has no explicit stage, so a jump of the inputs needs no restart and a snapshot is y, ẏ, q and
+//! the step size. The error is measured against a formula with weights on c = 0, γ, 1, where the
+//! slope at c = 0 is the last one of the step before. It is of third order where the state doesn't
+//! act on its slope; for ẏ = −y the estimate is a seventh of the error.
 
 use super::newton::{Newton, Stage, Unsolved, move_by};
 use super::{State, System, View};
@@ -88,7 +88,6 @@ const SAFETY: f64 = 0.8;
 /// Change of the step size after this error: SAFETY · error^(−1/3) for an estimate of third order,
 /// within the smooth limits of Söderlind and Wang, Adaptive time-stepping and computational
 /// stability (2006): 0.21 where the error is infinite or not a number, 2.57 where there is none.
-/// DASSL and CVODE (Hindmarsh et al. 2005) take 0.25 where Newton's method failed.
 fn step_factor(error: f64) -> f64 {
     1.0 + (SAFETY / error.cbrt() - 1.0).max(-1.0).atan()
 }

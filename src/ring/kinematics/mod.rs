@@ -1,16 +1,11 @@
-//! Kinematics of the ALE ring on a mesh that moves with Θ (paper 3, eq. (10) to (12)), and its
-//! virtual power.
+//! Kinematics of the ALE ring on a mesh that moves with Θ (paper 3, eq. (10) to (12);
+//! `docs/theory.md`, (3.1) to (3.3)), and its virtual power.
 //!
-//! Position r = R(ξ, Θ) + B q_f (10) with A_i = identity and cubic Hermite functions (paper 5.2) on
-//! elements whose borders follow the arc borders. The reference curve is planar. The deflection has
-//! D components: x and y, and in space w along z = −b_ref. At fixed mesh point η:
-//!
-//! - ring velocity v = ṙ + w r', w = ṡ − ξ̇_η (12),
-//! - ring acceleration Dv/Dt = r̈ + ẇ r' + 2w (r')˙ + w² r'',
-//!
-//! where a dot is ∂/∂t at fixed η. The nodal degrees of freedom are the deflection `a` and its
-//! slope `b` = ∂/∂ξ; the element uses d = (a₁, l b₁, a₂, l b₂), whose shape functions do not depend
-//! on the element length l(Θ).
+//! Position r = R(ξ, Θ) + B q_f (10) with A_i = identity and cubic Hermite functions on elements
+//! whose borders follow the arc borders. The deflection has D components: x and y, and in space w
+//! along z = −b_ref. A dot is ∂/∂t at fixed η. The nodal degrees of freedom are the deflection `a`
+//! and its slope `b` = ∂/∂ξ; the element uses d = (a₁, l b₁, a₂, l b₂), whose shape functions do
+//! not depend on the element length l(Θ).
 
 mod load;
 mod motion;

@@ -21,7 +21,6 @@ const RADII: PerPulley<f64> = PerPulley {
     secondary: 0.033,
     primary: 0.077,
 };
-/// Wrap angles, rad.
 const WRAPS: PerPulley<f64> = PerPulley {
     secondary: 2.6,
     primary: std::f64::consts::TAU - 2.6,

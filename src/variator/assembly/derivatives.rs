@@ -10,7 +10,6 @@ use crate::variator::cell::variation::{Direction, Linearised};
 use crate::variator::rings::{Degrees, MOST, MOST_ROWS, RingKind, VaryingRing};
 use num_traits::Zero;
 
-/// Derivatives of a pack of cells.
 #[derive(Clone, Debug)]
 pub(crate) struct Derivatives {
     /// Direction by direction for each row of the balance.
@@ -159,7 +158,6 @@ struct Change {
     through: [Lanes; MOST],
 }
 
-/// Working memory of [`Derivatives::current`].
 #[derive(Clone, Debug)]
 pub(crate) struct UpdateWork {
     changes: Box<OfLaws<[Change; FORCES]>>,

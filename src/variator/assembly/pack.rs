@@ -231,7 +231,6 @@ impl Station<Lanes> {
 /// of the cell, then the same for the directions of the previous cell; `None` outside the matrix.
 pub(crate) type FluxEntries = [[[Option<usize>; 2]; MOST]; 2];
 
-/// The packs of a belt, around the loop.
 pub(crate) fn packs(belt: &Belt, degrees: &Degrees) -> Vec<Pack> {
     let mesh = &belt.mesh;
     let shape = belt.layout.shape;
@@ -316,7 +315,6 @@ fn strips(degrees: &Degrees, shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<
     strips
 }
 
-/// Places of the derivatives of the fluxes, for each cell.
 pub(crate) fn flux_entries(belt: &Belt, degrees: &Degrees) -> Vec<FluxEntries> {
     let shape = belt.layout.shape;
     let cells = belt.mesh.cells.len();

@@ -23,7 +23,6 @@ use num_traits::Zero;
 /// method takes up to ten times as many Jacobians: a factor of 3 costs a third more time under
 /// rough loads.
 const RESCALED: f64 = 1.5;
-/// Factors before the first Jacobian.
 const NO_FACTORS: Factors = Factors {
     alpha: f64::NAN,
     beta: f64::NAN,
@@ -46,8 +45,7 @@ struct Origin {
 /// Cells with a ring of kind `K` in D components.
 ///
 /// Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but the
-/// geometry hardly changes from one to the next. Then the constitutive tangents alone are updated,
-/// which is accurate enough for a simplified Newton method.
+/// geometry hardly changes. Then the constitutive tangents alone are updated.
 #[derive(Clone, Debug)]
 pub(crate) struct PackedCells<K, const D: usize> {
     packs: Vec<Pack>,

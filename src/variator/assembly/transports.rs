@@ -9,10 +9,8 @@ use crate::variator::belt::Belt;
 /// Rate at which the unknowns of the elements of a chain vanish, 1/s.
 pub const RELAXATION_RATE: f64 = 1.0e3;
 
-/// Flow and density of every cell.
-///
-/// Each quantity is a list that begins with the last cell, as the predecessor of the first. All
-/// cells follow in their order, then padding for a pack that ends beyond them.
+/// Flow and density of every cell, each in a list that begins with the last cell, as the
+/// predecessor of the first, and ends with padding for a pack that ends beyond them.
 #[derive(Clone, Debug)]
 pub struct Transports {
     quantities: Transport<Vec<f64>>,

@@ -77,8 +77,7 @@ pub trait Assembly: Debug + Send + Sync {
 
     /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix,
     /// and those of the resultants of the contact forces to theirs; returns the loads on the
-    /// pulleys. Derivatives of an earlier call are reused where they are valid for a simplified
-    /// Newton method.
+    /// pulleys. Derivatives of an earlier call are reused where they are valid.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,

@@ -147,13 +147,11 @@ impl Belt {
         frame.segment_length(element.segment).v * element.length
     }
 
-    /// The gauge conditions.
-    ///
-    /// s and Θ duplicate motions of the overlay, so two conditions with multipliers in the border
-    /// constrain it. They are symmetric in the two pulleys: the deflections of node 0 and of the
-    /// opposite node are equal outwards (which determines Θ) and opposite along the curve (which
-    /// determines s). In directions of the curve these are the same two conditions in reverse
-    /// order: t of node 0 is along y, n along x, and both are reversed at the opposite node.
+    /// The gauge conditions: s and Θ duplicate motions of the overlay. The deflections of node 0
+    /// and of the opposite node are equal outwards (which determines Θ) and opposite along the
+    /// curve (which determines s). In directions of the curve these are the same two conditions in
+    /// reverse order: t of node 0 is along y, n along x, and both are reversed at the opposite
+    /// node.
     pub fn gauge(&self) -> impl Iterator<Item = GaugeCondition> + use<> {
         let layout = self.layout;
         let components = [(0, [1.0, 1.0]), (1, [1.0, -1.0])];

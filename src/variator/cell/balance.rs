@@ -1,22 +1,15 @@
-//! One cell of the belt: the virtual-power statement of ring, stack and contact.
+//! One cell of the belt: the virtual-power statement of ring, stack and contact (`docs/theory.md`,
+//! section 1).
 //!
 //! δP = ∫ [ring inertia·δv + δV_elastic] + ∫ m_e νλ a_e·δv_p − Q·δ(lengthening) − ∫ 2λ (contact
 //! force)·δ(its own point)
 //!    + ∫ f_r δ(sliding of ring on elements) + ∫ f_l δ(ring along itself) + ∫ f_s δV = 0
 //!
-//! with the drags f against these motions.
-//!
-//! Each force acts on the velocity of its own point: tangential flank forces on that at the pitch
-//! line (v_p), radial ones on that at the ring centre line (v_e), ring friction on the difference
-//! of ring and element velocity at the innermost layer, drag of the ring's layers on that of the
-//! ring, drag of elements that start to turn on V, the push force on the shortening of the stack.
-//! The elastic force of the flanks along the belt is −∂E/∂ξ, E their energy per length; it is
-//! integrated by parts, so the mean of E over a cell acts like a push force. Power between ring,
-//! stack and pulleys is thus balanced, and moments on the arcs are but for the couple of layers
-//! that turn against each other.
-//!
-//! A pull chain has neither stack nor ring friction. Its pins move with the ring, on which the
-//! forces along the belt act.
+//! with the drags f against these motions. Each force acts on the velocity of its own point:
+//! tangential flank forces on v_p, radial ones on v_e, ring friction on the sliding at the
+//! innermost layer. The elastic force −∂E/∂ξ of the flanks along the belt is integrated by parts,
+//! so the mean of E over a cell acts like a push force. A pull chain has neither stack nor ring
+//! friction: its pins move with the ring, on which the forces along the belt act.
 
 use crate::scalar::Real;
 use crate::stack::Transport;

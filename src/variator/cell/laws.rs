@@ -1,12 +1,9 @@
 //! The constitutive laws of a cell: flanks, friction between ring and elements, stack. Their
 //! tangents change by orders of magnitude where a gap closes or a cell begins to slide. The
-//! contribution of a law to the derivatives of the balance is a sum of products L S R:
-//!
-//! - R, the derivative of an argument in a direction, and L, the derivative of the rows with
-//!   respect to a force: geometry.
-//! - S, the tangents: derivatives of the forces with respect to their arguments.
-//!
-//! While the geometry has hardly changed, an update of S alone yields the current derivatives
+//! contribution of a law to the derivatives of the balance is a sum of products L S R: R, the
+//! derivative of an argument in a direction, and L, that of the rows with respect to a force, are
+//! geometry; S, the tangents, are derivatives of the forces with respect to their arguments. While
+//! the geometry has hardly changed, an update of S alone yields the current derivatives
 //! ([`Derivatives`](crate::variator::assembly::derivatives::Derivatives)).
 
 use crate::contact::{FlankMotion, flank_force};
@@ -41,22 +38,15 @@ pub(crate) fn argument_count<const D: usize>(law: usize, laws: usize) -> usize {
     }
 }
 
-/// Forces of a law, or their variations.
 pub(crate) type Forces = [Lanes; FORCES];
-/// Arguments of a law, or their variations.
 pub(crate) type Arguments<T> = [T; ARGUMENTS];
 /// Tangents of each force with respect to the arguments.
 pub type Tangents = [Arguments<Lanes>; FORCES];
 
 /// Two values of the law of ring or stack.
 #[inline(always)]
-fn padded<T: Real>([first, second]: [T; 2]) -> Arguments<T> {
+pub(crate) fn padded<T: Real>([first, second]: [T; 2]) -> Arguments<T> {
     [first, second, T::zero(), T::zero()]
-}
-
-#[inline(always)]
-pub(crate) fn ring_arguments<T: Real>(pressing: T, sliding: T) -> Arguments<T> {
-    padded([pressing, sliding])
 }
 
 #[inline(always)]
@@ -74,13 +64,11 @@ pub(crate) fn flank_arguments<T: Copy>(motion: &FlankMotion<T>) -> Arguments<T> 
     ]
 }
 
-/// Arguments with their own derivatives.
 #[inline(always)]
 fn seeded<const N: usize>(arguments: [Lanes; N]) -> [Tangent<N>; N] {
     std::array::from_fn(|k| Tangent::seed(arguments[k], k, 1.0))
 }
 
-/// Records the tangents of the laws at a station.
 #[inline(always)]
 pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &AtStation<'_, Lanes, D>) {
     let (law, friction, forces) = (at.given.law, at.given.friction, at.forces);
@@ -107,7 +95,6 @@ pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &At
     }
 }
 
-/// Records the arguments of the laws at a station.
 #[inline(always)]
 pub(crate) fn record_arguments<T: Real, const D: usize>(
     to: &mut OfLaws<Arguments<T>>,
@@ -117,6 +104,6 @@ pub(crate) fn record_arguments<T: Real, const D: usize>(
     for (to, motion) in to[first..][..D - 1].iter_mut().zip(&at.forces.flanks.motions) {
         *to = flank_arguments(motion);
     }
-    to[first + D - 1] = ring_arguments(at.forces.pressing, at.forces.sliding);
+    to[first + D - 1] = padded([at.forces.pressing, at.forces.sliding]);
     to[at.given.geometry.stations.len() * D] = stack_arguments(at.cell.density_with_rate());
 }

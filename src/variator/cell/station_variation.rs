@@ -6,7 +6,7 @@ use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, WithRate, in_p
 use crate::scalar::{Lanes, Real, Tangent, along};
 use crate::solver::Factors;
 use crate::stack::{Components, PointVariation, StackPoint};
-use crate::variator::cell::laws::{Arguments, FORCES, Forces, Tangents, flank_arguments, ring_arguments};
+use crate::variator::cell::laws::{Arguments, FORCES, Forces, Tangents, flank_arguments, padded};
 use crate::variator::cell::state::{CellState, StationForces, StationState};
 use crate::variator::law::arguments::{CellBalance, CellInput, CellLaw, PulleyMotion};
 use crate::variator::law::element_rotation::rotation_drag;
@@ -57,7 +57,6 @@ pub(crate) struct StationVariation<'a, const D: usize> {
     pub forces: [Forces; 3],
 }
 
-/// Variations of a cell's stack.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellVariation {
     /// Flow through the left face, m/s.
@@ -232,7 +231,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             let shifted = |sign: f64| flank_arguments(&flank.motion.shifted(offset * sign, rate * sign, sin));
             (laws[0], laws[1]) = (shifted(1.0), shifted(-1.0));
         }
-        laws[D - 1] = ring_arguments(tension, sliding);
+        laws[D - 1] = padded([tension, sliding]);
         self.drag_by_pressing * tension + self.drag_by_speed * speed
     }
 
@@ -368,7 +367,6 @@ fn vary_loads(
     }
 }
 
-/// Variation of [`FlankKinematics`] and of λ.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FlankVariation {
     /// Motion of a flank in the middle of the pulley.

@@ -1,12 +1,11 @@
 //! Analytic derivatives of [`balance`](crate::variator::cell::balance::balance) with the own
 //! unknowns of a cell and those of its pulley.
 //!
-//! Forward differentiation repeats the whole law for each direction, although a node moves only the
-//! ring, a sheave only the flanks, and nearly all relations between them are linear. Here each
-//! station has the coefficients of its variation, and nonlinear laws (flanks, stack) are
-//! differentiated forward in their few arguments. This takes less than half the time and agrees to
-//! rounding: a test of `variator` compares the two. The drift and the coordinates of the curve
-//! change every quantity; for them the whole law is differentiated forward.
+//! A node moves only the ring, a sheave only the flanks, and nearly all relations between them are
+//! linear: each station has the coefficients of its variation, and nonlinear laws (flanks, stack)
+//! are differentiated forward in their few arguments. This takes less than half the time of forward
+//! differentiation, with which a test of `variator` compares it. The drift and the coordinates of
+//! the curve change every quantity; for them the whole law is differentiated forward.
 
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, WithRate};
 use crate::scalar::{Lanes, Tangent, along};
@@ -68,7 +67,6 @@ impl Direction {
     }
 }
 
-/// Forces at the stations of a cell.
 type CellForces<const D: usize> = [Option<StationForces<Lanes, D>>; STATIONS];
 
 /// Variations at the stations, kilobytes that are written in place.

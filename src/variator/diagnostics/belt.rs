@@ -26,28 +26,6 @@ pub struct BeltDiagnostics {
     ring_energy: f64,
 }
 
-impl BeltDiagnostics {
-    /// The sample of a station of a cell.
-    #[inline(always)]
-    #[must_use]
-    pub fn sample(&self, mesh: &BeltMesh, cell: &Cell, station: usize) -> Sample {
-        self.samples[cell.group * mesh.points + station].get(cell.lane)
-    }
-
-    /// Groups of cells, and the samples of their stations.
-    fn groups<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Group, &'a [Sample<Lanes>])> {
-        mesh.groups.iter().zip(self.samples.chunks_exact(mesh.points))
-    }
-
-    /// Cells and samples of all stations, in the order of ξ.
-    #[inline(always)]
-    pub fn stations<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Cell, Sample)> {
-        mesh.cells.iter().flat_map(move |cell| {
-            (0..mesh.points).map(move |station| (cell, self.sample(mesh, cell, station)))
-        })
-    }
-}
-
 /// Sums over the belt at one state, or over the cells in each lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeltSums<L = f64> {
@@ -97,10 +75,29 @@ impl BeltSums {
             load >= NO_FORCE && slope < 0.0
         })
     }
+
+    /// Pressure-weighted mean pitch radii, m; reference radius − e where nothing presses.
+    #[must_use]
+    pub fn mean_radii(&self, belt: &Belt, view: View<'_>) -> PerPulley<f64> {
+        PerPulley::from_fn(|pulley| {
+            if self.axial[pulley] > NO_FORCE {
+                self.axial_radius[pulley] / self.axial[pulley]
+            } else {
+                let frame = belt.curve.frame::<f64>(belt.theta(view));
+                frame.radius[pulley as usize].v - belt.law.stack.pitch_offset
+            }
+        })
+    }
+
+    /// r_S/r_P of the mean radii.
+    #[must_use]
+    pub fn geometric_ratio(&self, belt: &Belt, view: View<'_>) -> f64 {
+        let radii = self.mean_radii(belt, view);
+        radii.secondary / radii.primary
+    }
 }
 
 impl BeltSums<Lanes> {
-    /// The sums over no station.
     fn empty() -> Self {
         Self {
             strand_force: f64::INFINITY.into(),
@@ -141,7 +138,6 @@ impl BeltSums<Lanes> {
         self.speed_integral += s.speed * length;
     }
 
-    /// The sums over all lanes.
     fn total(&self) -> BeltSums {
         BeltSums {
             // The others are not sums over stations.
@@ -173,6 +169,25 @@ impl BeltSums<Lanes> {
 }
 
 impl BeltDiagnostics {
+    /// The sample of a station of a cell.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample(&self, mesh: &BeltMesh, cell: &Cell, station: usize) -> Sample {
+        self.samples[cell.group * mesh.points + station].get(cell.lane)
+    }
+
+    fn groups<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Group, &'a [Sample<Lanes>])> {
+        mesh.groups.iter().zip(self.samples.chunks_exact(mesh.points))
+    }
+
+    /// Cells and samples of all stations, in the order of ξ.
+    #[inline(always)]
+    pub fn stations<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Cell, Sample)> {
+        mesh.cells.iter().flat_map(move |cell| {
+            (0..mesh.points).map(move |station| (cell, self.sample(mesh, cell, station)))
+        })
+    }
+
     /// The belt at a state. Allocates.
     #[must_use]
     pub fn new(system: &VariatorSystem, view: View<'_>) -> Self {
@@ -224,27 +239,5 @@ impl BeltDiagnostics {
             }
         }
         self.ring_energy + sum.sum()
-    }
-}
-
-impl BeltSums {
-    /// Pressure-weighted mean pitch radii, m; reference radius − e where nothing presses.
-    #[must_use]
-    pub fn mean_radii(&self, belt: &Belt, view: View<'_>) -> PerPulley<f64> {
-        PerPulley::from_fn(|pulley| {
-            if self.axial[pulley] > NO_FORCE {
-                self.axial_radius[pulley] / self.axial[pulley]
-            } else {
-                let frame = belt.curve.frame::<f64>(belt.theta(view));
-                frame.radius[pulley as usize].v - belt.law.stack.pitch_offset
-            }
-        })
-    }
-
-    /// r_S/r_P of the mean radii.
-    #[must_use]
-    pub fn geometric_ratio(&self, belt: &Belt, view: View<'_>) -> f64 {
-        let radii = self.mean_radii(belt, view);
-        radii.secondary / radii.primary
     }
 }

@@ -8,6 +8,7 @@ use crate::solver::sdirk::Evolution;
 use crate::solver::{System, View};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::system::VariatorSystem;
+use std::array::from_fn;
 
 /// Energies since the start, J, and the belt at the end of the last accepted step.
 #[derive(Clone, Debug, Default)]
@@ -119,15 +120,13 @@ impl Evolution for Problem<'_> {
         self.energy.last.update(self.system, after);
         let second = powers(self.system, &at_end, after, &self.energy.last.sums);
         let forces = [&at_start, &in_middle, &at_end].map(Boundary::clamping_forces);
-        let trapezoid = |first: f64, second: f64| 0.5 * h * (first + second);
-        let mut supplied = trapezoid(first.supplied, second.supplied);
-        let mut lost = trapezoid(first.lost, second.lost);
-        let mut moved = trapezoid(first.moved, second.moved);
+        let [mut supplied, mut lost, mut moved] = from_fn(|k| 0.5 * h * (first[k] + second[k]));
         for pulley in Pulley::BOTH {
-            let of_sheave = self.sheave_work(pulley, before, after, h, forces.map(|force| force[pulley]));
-            supplied += of_sheave.work;
-            moved += of_sheave.work.abs();
-            lost += of_sheave.damped
+            let [work, damped] =
+                self.sheave_work(pulley, before, after, h, forces.map(|force| force[pulley]));
+            supplied += work;
+            moved += work.abs();
+            lost += damped
                 + self
                     .system
                     .pulleys()
@@ -138,13 +137,6 @@ impl Evolution for Problem<'_> {
         self.energy.lost += lost;
         self.energy.moved += moved;
     }
-}
-
-/// Work of clamp, pressure and rotating oil in a step, and the loss of damper and seals beyond the
-/// trapezoidal rule, J.
-struct SheaveWork {
-    work: f64,
-    damped: f64,
 }
 
 impl Problem<'_> {
@@ -165,9 +157,10 @@ impl Problem<'_> {
         0.5 * self.system.parameters.pulley(pulley).inertia * change
     }
 
-    /// By Simpson's rule with ż in the middle from the change of z, since a sheave's step response
-    /// is shorter than a step: under a constant force the work is exact. `forces` of clamp and
-    /// pressure are those at the start, in the middle and at the end.
+    /// Work of clamp, pressure and rotating oil in a step, and the loss of damper and seals beyond
+    /// the trapezoidal rule, J. By Simpson's rule with ż in the middle from the change of z, since a
+    /// sheave's step response is shorter than a step: under a constant force the work is exact.
+    /// `forces` of clamp and pressure are those at the start, in the middle and at the end.
     fn sheave_work(
         &self,
         pulley: Pulley,
@@ -175,7 +168,7 @@ impl Problem<'_> {
         after: View<'_>,
         h: f64,
         forces: [f64; 3],
-    ) -> SheaveWork {
+    ) -> [f64; 2] {
         let z = self.system.belt.layout.sheave(pulley);
         let simpson = |[first, middle, last]: [f64; 3]| h / 6.0 * (first + 4.0 * middle + last);
         let (start, end) = (before.y[z], after.y[z]);
@@ -191,35 +184,27 @@ impl Problem<'_> {
         ];
         let force = |k: usize| forces[k] + of.cylinder.centrifugal * speeds[k] * speeds[k];
         let rubbed = [start, middle, end].map(|z_dot| pulleys.seal_loss(pulley, z_dot));
-        SheaveWork {
-            work: simpson([force(0) * start, force(1) * middle, force(2) * end]),
-            damped: of.sheave_damping * (square - 0.5 * h * (start * start + end * end))
+        [
+            simpson([force(0) * start, force(1) * middle, force(2) * end]),
+            of.sheave_damping * (square - 0.5 * h * (start * start + end * end))
                 + (simpson(rubbed) - 0.5 * h * (rubbed[0] + rubbed[2])),
-        }
+        ]
     }
 }
 
-/// Powers, W, without those of the clamping forces and of the acceleration of a pulley in speed
-/// drive.
-struct Powers {
-    supplied: f64,
-    lost: f64,
-    /// Over the shafts.
-    moved: f64,
-}
-
-/// Powers of a state from the belt's sums there.
-fn powers(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &BeltSums) -> Powers {
+/// Powers supplied, lost and over the shafts, W, without those of the clamping forces and of the
+/// acceleration of a pulley in speed drive.
+fn powers(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &BeltSums) -> [f64; 3] {
     let speeds = system.belt.shaft_speeds(view);
     let mut moved = 0.0;
     for pulley in Pulley::BOTH {
         moved += (sums.torque[pulley] * speeds[pulley]).abs();
     }
-    Powers {
-        supplied: system.pulleys().shaft_power(boundary, view, sums.shaft_torque),
-        lost: sums.losses.total() + system.pulleys().losses(view),
+    [
+        system.pulleys().shaft_power(boundary, view, sums.shaft_torque),
+        sums.losses.total() + system.pulleys().losses(view),
         moved,
-    }
+    ]
 }
 
 impl EnergyBalance {

@@ -1,6 +1,5 @@
-//! Idle arcs: each arc consists of an idle part from its entry on, where the elements move with the
-//! pulley and the push force is still that of the strand before, and an active part, where it
-//! changes to that of the other strand (Kobayashi et al., SAE 980822).
+//! Idle arcs: in the idle part of an arc, from its entry on, the elements move with the pulley and
+//! the push force is still that of the strand before (Kobayashi et al., SAE 980822).
 
 use super::{IDLE_CHANGE, NO_DIFFERENCE};
 use crate::pulley::{PerPulley, Pulley};

@@ -91,8 +91,8 @@ impl Observer {
     }
 
     /// The tension of a cubic element oscillates about its mean wherever the curvature changes
-    /// fast. The balance along the ring determines the mean. The mean of its curvature, which is
-    /// linear in an element, is more accurate too.
+    /// fast. The balance along the ring determines the mean; that of its curvature is more accurate
+    /// too.
     fn mean_elements(&mut self, mesh: &BeltMesh, length: f64) {
         self.elements.clear();
         self.elements.resize(mesh.elements.len(), RingPart::default());
@@ -120,7 +120,6 @@ impl Observer {
         }
     }
 
-    /// Stress of the ring's layers from the means of its elements.
     fn ring_stress(&mut self, belt: &Belt, view: View<'_>, radii: PerPulley<f64>) -> RingStress {
         let (law, speed) = (&belt.law, view.y[belt.layout.drift()]);
         self.stresses.resize(self.elements.len(), 0.0);

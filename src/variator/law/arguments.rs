@@ -3,10 +3,9 @@
 use crate::contact::{Contact, Friction};
 use crate::pulley::{PerPulley, Wedge};
 use crate::reference_curve::Jet;
-use crate::ring::Joints;
-use crate::ring::Ring;
 use crate::ring::kinematics::{Motion, ReferenceMotion};
 use crate::ring::layers::Layers;
+use crate::ring::{Joints, Ring};
 use crate::scalar::Real;
 use crate::solver::Factors;
 use crate::stack::{self, Transport};
@@ -42,10 +41,8 @@ pub struct CellLaw {
 }
 
 /// The middle of a pulley along z: it moves by half the travel of the movable sheave, away from
-/// that sheave.
-///
-/// The movable sheaves are on opposite sides of the belt, so both middles move in the same
-/// direction when the ratio changes, and their distance by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β.
+/// that sheave. The movable sheaves are on opposite sides of the belt, so both middles move in the
+/// same direction when the ratio changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheavePlane<L = f64> {
     /// Side of the movable sheave: +1 or −1 along z.

@@ -1,23 +1,13 @@
 //! Drag of elements that start and stop turning.
 //!
 //! An element turns at V/R about its rocking edge on an arc of pitch radius R, and not at all on a
-//! strand. It is spun up where it enters an arc and stopped where it leaves, both plastic: with the
-//! moment of inertia I about the edge, an element and an arc cost I (V/R)², half of it lost at each
-//! border. This is an upper bound, because a part of the energy may return to the belt.
+//! strand. Spinning it up and stopping it, both plastic, costs I (V/R)²: an upper bound. With the
+//! wrap angle α and the thickness h the drag per dξ against V (`docs/theory.md`, (4.12)) is
 //!
-//! νJ/h elements of thickness h pass in a second, with their gaps. On an arc of wrap angle α, the
-//! drag per dξ against V is
+//! f = I/(h R² α) κ ν |J| V.
 //!
-//! f = I/(h R² α) κ ν |J| V,
-//!
-//! so its power over the arc is (νJ/h) I (V/R)². |J| is smooth at a standstill: J²/√(J² + v₀²).
-//!
-//! The power is exact; the place where it acts is a simplification. The drag is spread over the arc
-//! by turning angle: that holds for every mesh, follows the arc as the ratio changes, and has no
-//! jump where the gaps of the strands begin. At the borders it would change the push force of an
-//! arc by half its sum: on the smaller pulley in overdrive 2 N at 2000 rpm and 12 N at 5000 rpm.
-//!
-//! The moment that turns the elements has no reaction on ring or pulleys.
+//! |J| is smooth at a standstill: J²/√(J² + v₀²). The power over the arc is exact; the drag is
+//! spread over the arc, which holds for every mesh, and has no reaction on ring or pulleys.
 
 use crate::pulley::PerPulley;
 use crate::scalar::Real;

@@ -28,7 +28,6 @@ pub struct FlankLoads<T> {
 }
 
 impl<T: Real> FlankLoads<T> {
-    /// Sum of two loads.
     #[inline(always)]
     fn plus(&self, other: &Self) -> Self {
         Self {

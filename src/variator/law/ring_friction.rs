@@ -1,9 +1,9 @@
-//! Friction between ring and elements, and between the layers of the ring.
+//! Friction between ring and elements, and between the layers of the ring (`docs/theory.md`, (4.10)
+//! and (4.11)).
 //!
-//! The elements slide on the innermost layer, whose neutral line is e₁ = e − (n − 1) t/2 outside the
-//! pitch line. An element turns with the arc, so its speed there is V λ₁/λ, λ₁ = λ + κ e₁. Friction
-//! f on the ring has the virtual power f δ(t̂·ṙ + w |r'| − V λ₁/λ): λ₁/λ f acts on V. On a strand the
-//! ring does not press (`docs/limits.md`).
+//! The elements slide on the innermost layer, whose neutral line is e₁ = e − (n − 1) t/2 outside
+//! the pitch line. Friction f on the ring has the virtual power f δ(t̂·ṙ + w |r'| − V λ₁/λ): λ₁/λ f
+//! acts on V.
 
 use crate::contact::Friction;
 use crate::ring::layers;

@@ -37,7 +37,6 @@ impl Load {
     }
 }
 
-/// Inputs that act with these parameters.
 pub(super) fn loads_in_force(parameters: &Parameters) -> Vec<Load> {
     let mut loads = Vec::new();
     for (pulley, prefix) in [(&parameters.primary, "primary."), (&parameters.secondary, "secondary.")] {

@@ -12,8 +12,7 @@ use crate::variator::settings::{Inputs, Parameters};
 
 /// Eigenvalues of the steady state at the initial ratio and speed below `frequency`, Hz, in falling
 /// order of growth: real and imaginary part, 1/s; of a conjugate pair the one with the positive
-/// imaginary part. A run with long steps doesn't show whether fast modes grow: the integrator damps
-/// them.
+/// imaginary part.
 ///
 /// # Errors
 /// See [`LinearError`].
@@ -72,7 +71,6 @@ pub(super) struct SlowModes {
     pub poles: Vec<[f64; 2]>,
 }
 
-/// An eigenvalue of the pencil with a vector.
 struct Eigenpair {
     lambda: c64,
     vector: Vec<c64>,
@@ -148,7 +146,6 @@ fn is_oscillation(lambda: c64) -> bool {
     lambda.im > 1.0e-9 * lambda.norm()
 }
 
-/// Real and imaginary parts of eigenvectors.
 fn real_basis(modes: &[Eigenpair], rows: usize) -> Mat<f64> {
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for Eigenpair { lambda, vector } in modes {

@@ -1,9 +1,8 @@
-//! The mesh: ring elements around the belt, each divided into cells.
+//! The mesh: five segments of ring elements around the belt, each divided into cells.
 //!
-//! It has five segments, each divided into elements. Element borders follow the arc borders for
-//! every Θ, so every quadrature point stays on its own arc or strand and all integrals are smooth
-//! in Θ. Elements are graded towards the arc borders, where contact begins (pressure rises over
-//! about 5 mm) and the ring has its bending boundary layer (√(EI/T) ≈ 2 mm).
+//! Element borders follow the arc borders for every Θ, so all integrals are smooth in Θ. Elements
+//! are graded towards the arc borders, where contact begins (pressure rises over about 5 mm) and
+//! the ring has its bending boundary layer (√(EI/T) ≈ 2 mm).
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::ring::mesh::{Spacing, divide, parts};

@@ -1,5 +1,4 @@
-//! Indices of the unknowns. The unknowns are velocities and first-order states; positions follow
-//! from q̇ = y.
+//! Indices of the unknowns: velocities and first-order states; positions follow from q̇ = y.
 //!
 //! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y, in space a_z, b_z),
 //! then for each cell the speed V of its left face, the content N of elements of the cell before,
@@ -148,8 +147,8 @@ impl Layout {
     }
 
     /// Index of the content N of `cell`. It belongs to the block of the next cell, so that the flow
-    /// into a cell from either side depends on nodes of neighbouring blocks only. With one cell per
-    /// element this holds for one direction of flow only.
+    /// into a cell depends on nodes of neighbouring blocks only; with one cell per element this
+    /// holds for one direction of flow.
     #[must_use]
     pub fn content(&self, cell: usize) -> usize {
         self.belt_speed(cell + usize::from(self.content_beside_next)) + 1

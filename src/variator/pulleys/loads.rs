@@ -27,10 +27,9 @@ pub enum SheaveMode {
 pub(crate) const PSEUDO_INERTIA: f64 = 40.0;
 
 /// Time in which the reaction force of a steady solution is corrected, and in which its sheaves
-/// tilt, s. A soft sheave with its own time of milliseconds oscillates against the spring of Θ: of
+/// tilt, s: a soft sheave with its own time of milliseconds oscillates against the spring of Θ. Of
 /// 126 starts with soft sheaves 14 are not found, with this time 8, with twice 2. But twice takes
-/// five times the work where a torque is far beyond capacity, and with ten times states at small
-/// forces on coarse meshes are not found.
+/// five times the work where a torque is far beyond capacity.
 pub(crate) const FORCE_TIME: f64 = 0.02;
 
 /// Stiffness of the spring that holds the ratio of a steady solution, N per unit of Θ: a clamping
@@ -191,7 +190,6 @@ impl Loads {
         Self::Inputs(InputProfile::constant(inputs))
     }
 
-    /// The boundary conditions at a time, s.
     pub(crate) fn boundary(&self, time: f64, parameters: &Parameters) -> Boundary {
         let given = match self {
             Self::Inputs(profile) => profile.evaluate(time),
@@ -223,7 +221,6 @@ impl Loads {
         }
     }
 
-    /// Writes the loads of a run to an archive, or reads them.
     pub(crate) fn serialize(&mut self, archive: &mut Archive<'_>) {
         let mut given = match *self {
             Self::Inputs(given) => given,
@@ -238,7 +235,6 @@ impl Loads {
 pub(crate) mod tests {
     use super::*;
 
-    /// A torque on the primary shaft alone, N·m.
     pub(crate) fn torque(value: f64) -> Inputs {
         let mut inputs = Inputs::ZERO;
         inputs.primary.torque = value;
@@ -275,13 +271,5 @@ pub(crate) mod tests {
                 assert_eq!(changed.evaluate(at).secondary.torque, -7.0, "{time}, {at}");
             }
         }
-    }
-
-    #[test]
-    fn a_force_that_falls_ends_at_zero() {
-        let mut profile = InputProfile::constant(&Inputs::ZERO);
-        profile.inputs.primary.clamping_force = 10.0;
-        profile.rates[1].primary.clamping_force = -100.0;
-        assert_eq!(profile.evaluate(1.0).primary.clamping_force, 0.0);
     }
 }

@@ -1,10 +1,5 @@
-//! Equations of motion of the pulleys:
-//!
-//! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1; F of clamp
-//!   and [cylinder](crate::cylinder),
-//! - tilt of one sheave: (M/a)(ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ), see [`tilt`](crate::tilt),
-//! - rotation: J ω̇ = T + belt torque − T_d, or τ_ω ω̇ = ω_set − ω in speed drive; T_d is the
-//!   [drag](crate::shaft) of the shaft.
+//! Equations of motion of the pulleys (`docs/theory.md`, (6.1) to (6.4)): z closes the pulley, 0 at
+//! ratio 1.
 
 use super::loads::{Boundary, FORCE_TIME, PSEUDO_INERTIA, RATIO_STIFFNESS, ShaftMode, SheaveMode};
 use crate::pulley::{PerPulley, Pulley, StopForce, Travel};
@@ -40,12 +35,6 @@ pub struct External {
     pub torque: f64,
     /// Force of clamp and cylinder on the movable sheave, or the reaction where it is held, N.
     pub clamping: f64,
-}
-
-/// Tilt of the sheaves of a pulley, rad, and its rate, rad/s.
-struct TiltMotion {
-    psi: [f64; 2],
-    rate: [f64; 2],
 }
 
 /// Motion on which the equation of a sheave depends.
@@ -101,12 +90,10 @@ impl<'a> Pulleys<'a> {
         self.parameters.pulley(pulley)
     }
 
-    /// Angular speed of a shaft, rad/s.
     fn speed(&self, pulley: Pulley, view: View<'_>) -> f64 {
         view.y[self.layout().shaft_speed(pulley)]
     }
 
-    /// Axial travel of a sheave between its stops.
     fn travel(&self, pulley: Pulley) -> Travel {
         let (law, of) = (&self.belt.law, self.of(pulley));
         Travel::new(of.min_radius..=of.max_radius, law.r0, &law.wedge)
@@ -198,7 +185,6 @@ impl<'a> Pulleys<'a> {
         PerPulley::from_fn(|pulley| loads[pulley].torque - drags[pulley])
     }
 
-    /// Writes the pulleys' rows of the residual, under the loads of the belt.
     pub(crate) fn residual(
         &self,
         boundary: &Boundary,
@@ -255,7 +241,6 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Law of the tilt of a pulley's sheaves.
     fn tilt_law(&self, pulley: Pulley) -> Tilt {
         let own = self.of(pulley).tilt;
         let time = if self.is_steady { FORCE_TIME } else { own.time };
@@ -264,7 +249,7 @@ impl<'a> Pulleys<'a> {
 
     fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
         let law = self.tilt_law(pulley);
-        let TiltMotion { psi, rate } = self.tilt(pulley, view);
+        let [psi, rate] = self.tilt(pulley, view);
         let moment = law.moment(psi, rate);
         for axis in 0..2 {
             let i = self.layout().tilt(pulley, axis);
@@ -326,12 +311,10 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    fn tilt(&self, pulley: Pulley, view: View<'_>) -> TiltMotion {
+    /// Tilt of the sheaves of a pulley, rad, and its rate, rad/s.
+    fn tilt(&self, pulley: Pulley, view: View<'_>) -> [[f64; 2]; 2] {
         let unknowns = [0, 1].map(|axis| self.layout().tilt(pulley, axis));
-        TiltMotion {
-            psi: unknowns.map(|i| view.y[i]),
-            rate: unknowns.map(|i| view.y_dot[i]),
-        }
+        [view.y, view.y_dot].map(|of| unknowns.map(|i| of[i]))
     }
 
     fn tilt_jacobian(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
@@ -341,7 +324,7 @@ impl<'a> Pulleys<'a> {
             unknowns.iter().for_each(|&i| out.set_unit_row(i, CONSTRAINT_SCALE));
             return;
         }
-        let TiltMotion { psi, rate } = self.tilt(pulley, view);
+        let [psi, rate] = self.tilt(pulley, view);
         let seeded = |tilt: [f64; 2], slope| {
             std::array::from_fn(|axis| Tangent::<2, f64>::seed(tilt[axis], axis, slope))
         };
@@ -353,7 +336,6 @@ impl<'a> Pulleys<'a> {
         }
     }
 
-    /// Adds the derivatives of the drag to the row of a shaft.
     fn add_drag_jacobian(
         &self,
         pulley: Pulley,
@@ -419,7 +401,7 @@ impl<'a> Pulleys<'a> {
             let rate = view.y[self.layout().sheave(pulley)];
             loss += of.sheave_damping * rate * rate - self.stop(pulley, view).viscous * rate;
             if !of.tilt.is_rigid() {
-                let TiltMotion { psi, rate } = self.tilt(pulley, view);
+                let [psi, rate] = self.tilt(pulley, view);
                 loss += 2.0 * of.tilt.loss(psi, rate);
             }
         }
@@ -427,8 +409,7 @@ impl<'a> Pulleys<'a> {
     }
 
     /// Loss of the tilt relaxation in a step of length `h`, s, beyond the trapezoidal rule, J: a
-    /// sheave closes its clearance within a step. The loss is the work of the moment less the
-    /// change of the stored energy.
+    /// sheave closes its clearance within a step.
     pub fn tilt_loss_beyond_trapezoid(
         &self,
         pulley: Pulley,
@@ -441,12 +422,12 @@ impl<'a> Pulleys<'a> {
             return 0.0;
         }
         let [start, end] = [before, after].map(|view| self.tilt(pulley, view));
-        let [first, second] = [&start, &end].map(|tilt| law.moment(tilt.psi, tilt.rate));
+        let [first, second] = [start, end].map(|[psi, rate]| law.moment(psi, rate));
         let work: f64 = (0..2)
-            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end.psi[axis] - start.psi[axis]))
+            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end[0][axis] - start[0][axis]))
             .sum();
-        let lost = work - (law.energy(end.psi) - law.energy(start.psi));
-        let trapezoid = 0.5 * h * (law.loss(start.psi, start.rate) + law.loss(end.psi, end.rate));
+        let lost = work - (law.energy(end[0]) - law.energy(start[0]));
+        let trapezoid = 0.5 * h * (law.loss(start[0], start[1]) + law.loss(end[0], end[1]));
         // Both sheaves.
         2.0 * (lost - trapezoid)
     }
@@ -463,7 +444,7 @@ impl<'a> Pulleys<'a> {
                 + self.travel(pulley).energy(view.q[z])
                 + of.cylinder.energy(view.q[z]);
             if !of.tilt.is_rigid() {
-                energy += 2.0 * of.tilt.energy(self.tilt(pulley, view).psi);
+                energy += 2.0 * of.tilt.energy(self.tilt(pulley, view)[0]);
             }
         }
         energy

@@ -1,16 +1,9 @@
-//! `ALE0`: the ring follows the reference curve, whose arcs have free centres.
+//! `ALE0`: the ring follows the reference curve, whose arcs have free centres (`docs/theory.md`,
+//! (3.8) and (3.9)).
 //!
-//! The curve has six coordinates p: Θ, spread, turn and shift of the centres, and growth δ
-//! ([`TwoPulley`]). The virtual motion of a mesh point with p, ∂r/∂p|_η − ∂ξ/∂p|_η r', projects
-//! loads on p. The curve holds derivatives along the motion in place of those with respect to Θ, so
-//! its Θ̇ is one.
-//!
-//! The ring stretches as a whole, by γ = 2πδ/L with the energy ½ EA γ² L. The tension varies along
-//! it by friction. Its mean over the arcs, by angle, is EA (γ + η γ̇); the balance of the forces
-//! across, ∮(f·n − Tκ) dξ = 0, is the conjugate of δ, so the power of the stack on the growing loop
-//! is balanced.
-//!
-//! [`TwoPulley`]: crate::reference_curve::TwoPulley
+//! The virtual motion of a mesh point with a coordinate p of the curve, ∂r/∂p|_η − ∂ξ/∂p|_η r',
+//! projects loads on p. The curve holds derivatives along the motion in place of those with respect
+//! to Θ, so its Θ̇ is one. The ring stretches as a whole, by γ = 2πδ/L with the growth δ.
 
 use super::{CellRing, Degrees, RingForces, RingInput, RingKind, StationLoad, VaryingRing};
 use crate::reference_curve::{CoordinateDerivatives, PointDerivatives};

@@ -36,7 +36,6 @@ impl Variator {
     }
 }
 
-/// Warning when a run first leaves out time, at a time, s.
 fn skipped_warning(time: f64) -> String {
     format!(
         "at {time} s the run is {} s behind the clock, and what is beyond is left out: speeds and ratio lack the effect of the loads over \

@@ -7,12 +7,11 @@ use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ratio_of_theta;
 use crate::variator::settings::Drive;
-use crate::variator::settings::capacity::{GivenSpeed, TorqueDemand, clamped, given_speed, short};
+use crate::variator::settings::capacity::{TorqueDemand, clamped, given_speed, short};
 use crate::variator::settings::validation::Steel;
 use crate::variator::steady::solve::geometric_ratio;
 use std::f64::consts::PI;
 
-/// Warnings that were given.
 #[derive(Clone, Debug)]
 pub(super) struct PlausibilityWarnings {
     fast: bool,
@@ -83,7 +82,6 @@ impl PlausibilityWarnings {
     }
 }
 
-/// Stiffness and mass of a ring with other layers.
 fn other_layers(simulation: &Simulation) -> Option<String> {
     let Steel { modulus, density } = simulation.system.parameters.steel_of_other_layers()?;
     Some(format!(
@@ -93,7 +91,6 @@ fn other_layers(simulation: &Simulation) -> Option<String> {
     ))
 }
 
-/// A belt that slips through.
 fn slipping(simulation: &Simulation) -> Option<String> {
     let Simulation { system, state, .. } = simulation;
     let speeds = system.belt.shaft_speeds(state.view());
@@ -144,7 +141,6 @@ fn wrong_unit(simulation: &Simulation, since: &mut f64) -> Option<String> {
     lasting.map(|demand| format!("at {} s: {demand}", simulation.time))
 }
 
-/// A belt that is faster than belts are.
 fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
     let belt = &simulation.system.belt;
     let speed = simulation.state.y[belt.layout.drift()].abs();
@@ -154,7 +150,7 @@ fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let led = parameters.primary.drive == Drive::Speed || parameters.secondary.drive == Drive::Speed;
     let cause = if led || starts {
-        let GivenSpeed { name, value } = given_speed(parameters, &inputs);
+        let (name, value) = given_speed(parameters, &inputs);
         format!("is {name} in rpm? {value} rpm are {} rad/s", short(value * PI / 30.0))
     } else {
         format!(
@@ -169,7 +165,6 @@ fn fast_belt(simulation: &Simulation, starts: bool) -> Option<String> {
     ))
 }
 
-/// A cylinder that opens its pulley.
 fn opening_pressure(simulation: &Simulation) -> Option<String> {
     let (parameters, inputs) = (&simulation.system.parameters, simulation.inputs());
     let (pulleys, view) = (simulation.system.pulleys(), simulation.state.view());

@@ -1,9 +1,7 @@
 //! Real time: the accurate integrator with a bound on the work of each millisecond ([`REAL_TIME`]),
-//! in short steps of one length.
-//!
-//! A step that takes more than the remaining work stays open and continues in the next millisecond:
-//! the run is then behind the clock, and its inputs wait. Unused work makes up for it later. A step
-//! without a solution is begun again with half the length.
+//! in short steps of one length. A step that takes more stays open and continues in the next
+//! millisecond: the run is then behind the clock, and its inputs wait. Unused work makes up for it
+//! later. A step without a solution is begun again with half the length.
 
 use super::simulation::Simulation;
 use super::tuning::REAL_TIME;
@@ -156,7 +154,6 @@ fn joined(first: &InputProfile, from: f64, middle: f64, second: &InputProfile, t
     InputProfile::constant(&Inputs::ZERO.after(fraction, &means[0]).after(1.0 - fraction, &means[1]))
 }
 
-/// Mean of inputs from one time to another, s.
 fn mean(profile: &InputProfile, [from, to]: [f64; 2]) -> Inputs {
     let kink = profile.kink.clamp(from, to);
     let part = |start: f64, end: f64, sum: Inputs| {

@@ -26,8 +26,8 @@ pub(super) struct Simulation {
     /// Present time, s.
     pub time: f64,
     /// Time of a start without load, s; else −∞. Sharp friction on a slack belt at a standstill
-    /// makes the cells stick and slide in turn, which took half of the Jacobians of a launch. So
-    /// the friction velocity is large at first and falls.
+    /// makes the cells stick and slide in turn, so the friction velocity is large at first and
+    /// falls.
     pub soft_since: f64,
     /// Work of the search for the state to start from, and its inputs.
     pub start_work: Counts,

@@ -13,7 +13,7 @@ use crate::solver::newton::Counts;
 use crate::variator::belt::ring::MaterialMesh;
 use crate::variator::diagnostics::belt::NO_FORCE;
 use crate::variator::pulleys::loads::InputProfile;
-use crate::variator::settings::capacity::{GivenSpeed, given_speed, short};
+use crate::variator::settings::capacity::{given_speed, short};
 use crate::variator::settings::{Axial, Drive, Inputs, Mode, StartState};
 use crate::variator::steady::start::{Start, kinematic_state};
 
@@ -140,7 +140,7 @@ impl Simulation {
     pub fn start_from(&mut self, found: StartState, other: &OtherStart<'_>) -> StartState {
         let (of, inputs) = (&self.system.parameters, &self.given);
         let ratio = of.initial.ratio;
-        let GivenSpeed { name, value: speed } = given_speed(of, inputs);
+        let (name, speed) = given_speed(of, inputs);
         let clamping = of.total_clamping_forces(inputs, ratio, self.primary_speed()).map(short);
         let OtherStart { why, instead, helps } = other;
         let [first, second] = [inputs.primary.torque, inputs.secondary.torque];
@@ -186,10 +186,9 @@ impl Simulation {
     }
 
     /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction does
-    /// not determine the forces of a belt at rest, so they are those of the motion before. Returns
-    /// none where the belt may not creep; with a warning, where there is no such state; and where
-    /// both sheaves are under force and friction holds the torques: a belt that crept would roll
-    /// back.
+    /// not determine the forces of a belt at rest. Returns none where the belt may not creep; with
+    /// a warning, where there is no such state; and where both sheaves are under force and friction
+    /// holds the torques: a belt that crept would roll back.
     fn stop_creeping(&mut self, start: &Start) -> Result<Option<StartState>, InitialisationError> {
         if !self.may_creep(start) {
             return Ok(None);
@@ -252,8 +251,7 @@ impl Simulation {
     }
 
     /// Starts unloaded. At a standstill the belt is relaxed before: in the kinematic state all
-    /// elements touch, and with the film between them the first millisecond of a run would take as
-    /// many steps as seconds do.
+    /// elements touch, and the first millisecond of a run would take as many steps as seconds do.
     fn start_slack(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
         self.start_unloaded(start)?;
         if start.primary_speed.abs() <= STANDSTILL {
@@ -266,7 +264,6 @@ impl Simulation {
         Ok(StartState::Unloaded)
     }
 
-    /// Starts in the state of another ring.
     fn start_on(&mut self, material: MaterialMesh, start: &Start) -> Result<StartState, InitialisationError> {
         let parameters = &self.system.parameters;
         material.starts_on.check(parameters)?;
@@ -301,10 +298,10 @@ impl Simulation {
     }
 
     /// Stops belt and shafts where they are, and holds the shafts while the clamping forces act.
-    /// Positions, the distribution of the elements, ring tension and push force remain. Friction
-    /// depends on the sliding speed: it returns within microseconds. Where both sheaves are under
-    /// force, the clamping force replaces the one that held the ratio. Between held sheaves the
-    /// belt loses tension, 6 % in 10 ms, so it stands for a part of the soft start only.
+    /// Friction depends on the sliding speed: it returns within microseconds. Where both sheaves
+    /// are under force, the clamping force replaces the one that held the ratio. Between held
+    /// sheaves the belt loses tension, 6 % in 10 ms, so it stands for a part of the soft start
+    /// only.
     fn bring_to_rest(&mut self) -> Result<(), StepError> {
         let belt = &self.system.belt;
         let shafts = Pulley::BOTH.map(|pulley| belt.layout.shaft_speed(pulley));

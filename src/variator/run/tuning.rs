@@ -1,8 +1,7 @@
 //! Tuning numbers of runs and their starts. "Half" and "twice": changes of Jacobians and residuals,
 //! %, with half and twice the number and `ALE0`: of runs over 0.15 s of each of the ten rough
 //! loads, accurate or in real time; of eight starts at a standstill, or of forty steady ones at
-//! random. Up to 2 % is noise. Other numbers are bounds, or of measurements and messages, and
-//! change no counts.
+//! random. Up to 2 % is noise. Other numbers change no counts.
 
 /// First step of a run, s, from a steady state and from another one. Half: +1, 0 and 0, 0; twice:
 /// -1, -1 and 0, 0. With one step between them, short runs take more Jacobians, and a chain that
@@ -34,9 +33,8 @@ pub const STEADY_WORK: f64 = 2.5e5;
 
 /// Tuning of real time. Work is in units of a residual with its correction.
 pub struct RealTimeTuning {
-    /// Work of a millisecond for each `solver.effort`, units: as much as a Jacobian and eight
-    /// residuals took in earlier versions. Half: -38, -24 and fifty times as long behind the clock;
-    /// twice: +5, +6 and never behind.
+    /// Work of a millisecond for each `solver.effort`, units. Half: -38, -24 and fifty times as
+    /// long behind the clock; twice: +5, +6 and never behind.
     pub effort: f64,
     /// Most unused work of a millisecond that the next one may use, units, so that the mean is
     /// nearer to the bound; and work that an iteration that has begun may take beyond the bound:
@@ -98,10 +96,8 @@ pub const SOFT_START: SoftStart = SoftStart {
 pub const STANDSTILL: f64 = 1.0e-3;
 
 /// Speed of the primary pulley, rad/s, and friction velocity, m/s, of the belt that creeps into a
-/// standstill. The axial force is within 2 % of that at half and at double the speed: sliding
-/// speeds are far above the friction velocity, a centrifugal tension of some 2 N is far below the
-/// ring's, and the oil between the elements transmits as much as in a belt that slows down. Half:
-/// +3, +4 and +2, +3; twice: -3, -3 and -4, -2.
+/// standstill. The axial force is within 2 % of that at half and at double the speed. Half: +3, +4
+/// and +2, +3; twice: -3, -3 and -4, -2.
 pub const CREEP_SPEED: f64 = 20.0;
 pub const CREEP_VELOCITY: f64 = 5.0e-5;
 
@@ -121,22 +117,13 @@ pub const LEAST_FRACTION: f64 = 0.05;
 /// Half and twice: 0, 0; without: +2, +4.
 pub const SLIP_AT_CAPACITY: f64 = 0.015;
 
-/// Judgement of the work of a run.
-pub struct Judgement {
-    /// Simulated time over which the work is added up, s.
-    pub time: f64,
-    /// Time for a residual and the correction from it, for each unknown, s: with ten loads on three
-    /// meshes of two rings it was 33 to 38 ns on one core of an AMD EPYC with AVX2.
-    pub residual: f64,
-    /// Work of a Jacobian with its factors, in residuals: under rough loads 12 to 17 in the mean.
-    pub jacobian: f64,
-}
-
-pub const JUDGEMENT: Judgement = Judgement {
-    time: 1.0,
-    residual: 36.0e-9,
-    jacobian: 14.0,
-};
+/// Simulated time over which the work of a run is added up before it is judged, s.
+pub const JUDGED: f64 = 1.0;
+/// Time for a residual and the correction from it, for each unknown, s: with ten loads on three
+/// meshes of two rings it was 33 to 38 ns on one core of an AMD EPYC with AVX2.
+pub const RESIDUAL: f64 = 36.0e-9;
+/// Work of a Jacobian with its factors, in residuals: under rough loads 12 to 17 in the mean.
+pub const JACOBIAN: f64 = 14.0;
 /// Time after which slip or net compression of a strand is logged again, s.
 pub const REPEATED: f64 = 0.1;
 /// Time for which a load must seem to be in another unit before a warning, s: forces start small.

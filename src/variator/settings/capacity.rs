@@ -219,18 +219,12 @@ impl Parameters {
 }
 
 /// The variable that gives the speed of the start, and its value, rad/s.
-pub(crate) struct GivenSpeed {
-    pub name: &'static str,
-    pub value: f64,
-}
-
-pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> GivenSpeed {
-    let (name, value) = match (parameters.primary.drive, parameters.secondary.drive) {
+pub(crate) fn given_speed(parameters: &Parameters, inputs: &Inputs) -> (&'static str, f64) {
+    match (parameters.primary.drive, parameters.secondary.drive) {
         (Drive::Speed, _) => ("primary.speedSetpoint", inputs.primary.speed_setpoint),
         (_, Drive::Speed) => ("secondary.speedSetpoint", inputs.secondary.speed_setpoint),
         _ => ("initial.primarySpeed", parameters.initial.primary_speed),
-    };
-    GivenSpeed { name, value }
+    }
 }
 
 /// The reason why no belt bears the speed of the start, where the primary pulley turns at `speed`,
@@ -245,7 +239,7 @@ pub(crate) fn excessive_speed(
     let belt = radius * speed.abs();
     let mass = parameters.belt.mass_per_length + parameters.ring.mass_per_length;
     let stretch = mass * belt * belt / parameters.ring.axial_stiffness;
-    let GivenSpeed { name, value } = given_speed(parameters, inputs);
+    let (name, value) = given_speed(parameters, inputs);
     let slower = value.abs() * (RUPTURE / stretch).sqrt();
     let [belt, ratio, percent, slower] = [belt, ratio, 100.0 * stretch, slower].map(short);
     (stretch > RUPTURE).then(|| {

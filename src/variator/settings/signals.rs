@@ -54,9 +54,7 @@ impl PulleyInputs {
 /// Inputs of the variator, held over a communication step or linear in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
-    /// Inputs of the primary pulley.
     pub primary: PulleyInputs,
-    /// Inputs of the secondary pulley.
     pub secondary: PulleyInputs,
 }
 
@@ -239,9 +237,7 @@ pub struct Outputs {
 /// Outputs and profile of a variator.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Readings {
-    /// Scalar outputs.
     pub outputs: Outputs,
-    /// Fields along the belt.
     pub profile: Profile,
 }
 

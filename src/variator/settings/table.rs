@@ -2,8 +2,7 @@
 //! description. The interface, the defaults and the checks of ranges follow.
 //!
 //! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the
-//! reference. The ranges exclude only values that can't be intended; limit cases of theory are
-//! admissible.
+//! reference. The ranges exclude only values that can't be intended.
 
 use super::ParameterError;
 use super::choices::{Axial, BeltKind, Drive, Mode};
@@ -277,8 +276,8 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("belt.roughness", 1037, Real("m", 1.0e-7, [1e-10, 1e-5]), belt.roughness, "Roughness of the elements' faces: distance over which the contact force between neighbouring elements rises"),
         row!("belt.elementThickness", 1038, Real("m", 1.5e-3, [1e-4, 0.1]), belt.element_thickness, "Thickness of an element"),
         // An element of 2 g and 12 mm: I = m h²/12 = 2.4e-8 as a bar, and m d² = 0.2e-8 with its
-        // centre of mass 1 mm below the rocking edge, because the body below the saddle is heavier
-        // than the head. All energy of turning lost is an upper bound; half of it is the estimate.
+        // centre of mass 1 mm below the rocking edge. All energy of turning lost is an upper bound;
+        // half of it is the estimate.
         row!("belt.elementInertia", 1058, Real("kg.m2", 1.3e-8, [0.0, 1e-4]), belt.element_inertia, "Moment of inertia of an element about its rocking edge, which determines loss.spin; 0: no such loss"),
         row!("belt.filmThickness", 1040, Real("m", 6.0e-6, [1e-8, 1e-4]), belt.film_thickness, "Gap between elements over which the forces of the oil decrease"),
         row!("belt.filmDamping", 1057, Real("N.s", 2.7, [0.0, 1e3]), belt.film_damping, "Viscosity of the oily stack: force per rate of strain, twice as large where elements approach at any gap; where they separate divided by (1 + gap/belt.filmThickness)^2"),

@@ -94,7 +94,6 @@ impl Parameters {
 
     /// The ring's steel as it follows from the layers, if modulus and density are both larger or
     /// both smaller than those of the default ring: stiffness and mass then belong to other layers.
-    /// One alone may be intended, as in a limit case of theory.
     pub(crate) fn steel_of_other_layers(&self) -> Option<Steel> {
         let steel = |of: &Self| {
             let area = 2.0 * f64::from(of.layers.count) * of.layers.width * of.layers.thickness;
@@ -223,7 +222,6 @@ impl Inputs {
         inputs::<_, ()>().try_for_each(|input| input.check(self))
     }
 
-    /// Checks that rates of inputs are finite.
     pub(crate) fn validate_rates(&self) -> Result<(), ParameterError> {
         let mut rates = INPUTS.into_iter().zip(self.values());
         let Some((input, rate)) = rates.find(|(_, rate)| !rate.is_finite()) else {

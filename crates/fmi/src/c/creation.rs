@@ -33,8 +33,8 @@ pub(crate) fn c_string(text: &str) -> CString {
 }
 
 /// An instance, as a `Box<FmuInstance<U>>`; null after a message if the arguments don't fit this
-/// FMU. `messages` is given the name. `importer` returns what the importer handles, and passes on
-/// warnings; or why there is no instance.
+/// FMU. `messages` is given the name. `importer` returns what the importer handles, or why there is
+/// no instance.
 ///
 /// # Safety
 /// Each of the texts is null or ends with a zero.

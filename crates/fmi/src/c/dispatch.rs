@@ -1,15 +1,13 @@
 //! Forwarding to a variant of the library for newer processors.
 //!
-//! A portable build has two libraries for x86-64: `Name`, which runs everywhere and is complete by
-//! itself, and `Name-avx2` in the same folder. The first instance that `Name` creates there opens
-//! `Name-avx2`, those beside it share it, and the last one closes it. So a host that unloads `Name`
-//! after its instances leaves nothing loaded. Instances that exist at the same time are all in one
-//! of the two, because they exchange stored states. A function is looked up at each call: 0.1 µs.
+//! A portable build has two libraries for x86-64: `Name`, which runs everywhere, and `Name-avx2` in
+//! the same folder. The first instance that `Name` creates there opens `Name-avx2`, those beside it
+//! share it, because they exchange stored states, and the last one closes it: a host that unloads
+//! `Name` leaves nothing loaded. A function is looked up at each call: 0.1 µs.
 //!
 //! `Name` runs by itself, with a warning that says why, if the processor lacks AVX2, if the
-//! environment variable `PUSHBELT_AVX2` is "0", or if `Name-avx2` is not the file of its build.
-//! `Name` contains the hash of that file and compares it before the system opens the file, because
-//! to open a damaged or strange library can already end the host.
+//! environment variable `PUSHBELT_AVX2` is "0", or if `Name-avx2` is not the file of its build: to
+//! open a damaged or strange library can already end the host, so its hash is compared before.
 
 use std::cell::Cell;
 use std::ffi::c_void;
@@ -179,7 +177,6 @@ fn load(path: &Path) -> Result<Library, String> {
     Ok(library)
 }
 
-/// Checks that a file has this hash.
 fn check(path: &Path, hash: &str) -> Result<(), String> {
     // Without these checks the message would be that of the operating system, and a pipe would keep
     // the host waiting.

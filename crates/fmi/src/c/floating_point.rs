@@ -1,10 +1,9 @@
 //! The floating-point environment: rounding, flushing of subnormal numbers, traps and flags, which
 //! belong to the thread.
 //!
-//! Rust code requires the default environment, and the calling convention makes its caller provide
-//! it. Many hosts don't: some trap invalid operations, some flush subnormal numbers. So every C
-//! function runs in the default environment, whatever the host's is, and returns in the host's
-//! environment, flags included. Callbacks of the host run in the host's environment.
+//! Rust code requires the default environment, and many hosts have another. So every C function
+//! runs in the default environment and returns in the host's, flags included; callbacks of the host
+//! run in the host's.
 
 use std::cell::Cell;
 
@@ -43,7 +42,6 @@ fn not_inlined<T>(body: impl FnOnce() -> T) -> T {
     body()
 }
 
-/// Restores the host's environment when it is dropped.
 struct Restore;
 
 impl Drop for Restore {

@@ -46,9 +46,9 @@ macro_rules! define {
 
 pub(super) use define;
 
-/// Exports C functions, each with a list of arguments, a result and a body, and lists their names
-/// in `NAMES`: functions of an FMU beyond the standard. After `, on` stands the argument that is an
-/// instance: in a library with a variant the call is made where the instance is.
+/// Exports C functions beyond the standard, and lists their names in `NAMES`. After `, on` stands
+/// the argument that is an instance: in a library with a variant the call is made where the
+/// instance is.
 ///
 /// To be called in a module that allows `unsafe` code and names in C's style.
 #[macro_export]

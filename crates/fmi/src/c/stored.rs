@@ -2,9 +2,9 @@
 //! its bytes.
 //!
 //! A stored state is null, or a `Box<Snapshot<U>>` that [`get`] or [`deserialize`] has released and
-//! that has not been freed. The importer grants this ("Getting and Setting the Complete FMU State"
-//! in both standards), with the same unit `U`, of which a library has one. A state that is read
-//! stays as it is: no other call writes to it at the same time.
+//! that has not been freed; the importer grants this ("Getting and Setting the Complete FMU State"
+//! in both standards). A state that is read stays as it is: no other call writes to it at the same
+//! time.
 
 use libc::c_void;
 use std::ptr;

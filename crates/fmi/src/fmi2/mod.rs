@@ -14,7 +14,7 @@
 //! - a pointer for a result is null or points to writable memory, which no other array or string
 //!   argument contains;
 //! - a pointer is aligned for its type, and memory from the caller is initialised, but for the
-//!   memory of results, which C leaves uninitialised: it is only written to.
+//!   memory of results, which is only written to.
 //!
 //! The status is an error for a null pointer where the standard requires a value.
 

@@ -89,8 +89,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
 }
 
 /// Those of the required variables that the importer may set and read in intermediate update mode,
-/// and whether inputs are among them. The others are a warning: some importers name all outputs,
-/// and access is refused. Time can be read there in any case.
+/// and whether inputs are among them. The others are a warning: some importers name all outputs.
 fn intermediate<U: Unit>(required: &[u32], warn: &dyn Fn(&str)) -> Result<(Vec<u32>, bool), String> {
     let table = U::table();
     let (mut usable, mut sets_inputs) = (Vec::new(), false);
@@ -134,7 +133,6 @@ pub(super) unsafe fn refuse_instance(
     ptr::null_mut()
 }
 
-/// Passes messages on to the importer's function.
 fn sink(log_message: LogMessage, environment: Environment) -> Sink {
     Box::new(move |status, category, text| {
         // By the standard, "#" refers to a variable, and "##" is a number sign.

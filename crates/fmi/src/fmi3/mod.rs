@@ -1,12 +1,9 @@
 //! FMI 3.0 for co-simulation: its C functions for any unit, and its XML.
 //!
-//! The caller of a function grants what [`fmi2`](super::fmi2) lists, with instances from
-//! `fmi3InstantiateCoSimulation` and stored states from `fmi3GetFMUState` or
-//! `fmi3DeserializeFMUState`. Within `fmi3DoStep` the intermediate update callback may use the
-//! instance; the callback for messages may not.
-//!
-//! By the standard, an instance is terminated after an error. Here a refused call leaves it
-//! unchanged.
+//! The caller of a function grants what [`fmi2`](super::fmi2) lists, with the functions of FMI 3.0.
+//! Within `fmi3DoStep` the intermediate update callback may use the instance; the callback for
+//! messages may not. By the standard, an instance is terminated after an error. Here a refused call
+//! leaves it unchanged.
 
 #[cfg(feature = "c")]
 use std::ffi::c_int;

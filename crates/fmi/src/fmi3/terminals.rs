@@ -56,7 +56,6 @@ fn terminal(terminal: &Terminal) -> Element {
         .child(drawn.with("iconBaseName", terminal.icon))
 }
 
-/// An element with the corners of a rectangle.
 fn extent(tag: &'static str, [x, y]: [f64; 2], [half_width, half_height]: [f64; 2]) -> Element {
     Element::new(tag)
         .with("x1", Number(x - half_width))

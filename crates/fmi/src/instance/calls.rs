@@ -45,7 +45,6 @@ pub struct Importer {
     pub sets_inputs: bool,
 }
 
-/// A communication step that has begun.
 pub(super) struct StepInProgress<U: Unit> {
     pub step: U::Step,
     /// Time of the unit at which it ends, s.

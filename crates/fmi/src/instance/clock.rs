@@ -1,9 +1,6 @@
 //! The time of an instance: that of the importer, and that of its unit, which counts from the start
-//! of the run.
-//!
-//! Doubles near 1.7e9 s are 0.2 µs apart: a unit that counts from its start keeps its digits at any
-//! time of the importer. Where the importer's times are too coarse for its steps, the unit's time
-//! is the sum of these steps.
+//! of the run and so keeps its digits: doubles near 1.7e9 s are 0.2 µs apart. Where the importer's
+//! times are too coarse for its steps, the unit's time is the sum of these steps.
 
 use super::{CallError, refused};
 use pushbelt_archive::Archive;
@@ -98,9 +95,8 @@ impl Clock {
     }
 
     /// The unit's time at this point, s, reached by a step of size `step`: on a decimal grid of
-    /// about a millionth of the step. Importers reach the same point by different sums, which
-    /// differ by some 1e-12; a model can amplify that to visible differences. On the grid all
-    /// importers get the same bits.
+    /// about a millionth of the step. Importers reach the same point by different sums, which a
+    /// model can amplify to visible differences; on the grid all get the same bits.
     pub fn on_grid(&self, step: f64) -> f64 {
         let time = self.elapsed;
         let digits = -(LEAST_ROUNDING * step).log10().floor();

@@ -3,9 +3,9 @@
 //! A call is [done](crate::log::Status), or it ends with a [`CallError`]: *refused* (wrong state,
 //! unknown value reference, not supported), and nothing has changed; *failed* (no initial state, a
 //! panic), and only [`FmuInstance::reset`], a stored state or the end of the instance follow;
-//! *discarded* (a value out of range, a step that was not completed): all is as before, and the
-//! importer decides. Each call is refused in a state that does not allow it; the sections on errors
-//! have the other reasons.
+//! *discarded* (a value out of range, a step that was not completed), and all is as before. Each
+//! call is refused in a state that does not allow it; the sections on errors have the other
+//! reasons.
 //!
 //! Methods have the names of the C functions; a call that only changes the state is `enter`.
 //! [`FmuInstance::call`] makes a call: it logs errors and contains panics.

@@ -133,7 +133,6 @@ impl<U: Unit> FmuInstance<U> {
         }
     }
 
-    /// Whether a communication step in progress has reached its end.
     pub(super) fn step_is_over(&self) -> bool {
         let in_step = self.now.unit.as_ref().zip(self.step.as_ref());
         in_step.is_some_and(|(unit, step)| unit.is_over(step.to, &step.step))

@@ -120,7 +120,7 @@ fn a_query_returns_a_text_or_null() {
         let mut text = c"before".as_ptr().cast_mut();
         // SAFETY: an instance, and a place for a pointer; the text is copied and freed.
         unsafe {
-            let status = query::<Tank>(importer.c, "ask", &raw mut text, |_, _, messages| {
+            let status = query::<Tank>(importer.c, "ask", (null(), 0), &raw mut text, |_, _, _, messages| {
                 messages.push(Message {
                     warning,
                     text: "a hint".into(),
@@ -139,8 +139,11 @@ fn a_query_returns_a_text_or_null() {
     importer.assert_logged("a hint");
     importer.assert(ask(Err("no such thing"), true), (Error, None), "ask: no such thing");
     // SAFETY: an instance, and null.
-    let refused =
-        unsafe { query::<Tank>(importer.c, "ask", null_mut(), |_, _, _| Result::Ok(String::new())) };
+    let refused = unsafe {
+        query::<Tank>(importer.c, "ask", (null(), 0), null_mut(), |_, _, _, _| {
+            Result::Ok(String::new())
+        })
+    };
     importer.assert(refused, Error, "the pointer for the result is null");
     assert_eq!(importer.exit(), Ok, "and the run goes on");
     assert_eq!(importer.reset(), Ok);

@@ -79,9 +79,8 @@ unsafe fn own(text: *const c_char) -> String {
     unsafe { CStr::from_ptr(text) }.to_str().expect("UTF-8").to_owned()
 }
 
-/// The standard's logger is variadic. This one takes the one argument that belongs to "%s", with
-/// which the unit passes a text that has a percent sign; on the platforms of the tests both are
-/// called the same way.
+/// The standard's logger is variadic. This one takes the one argument that belongs to "%s"; on the
+/// platforms of the tests both are called the same way.
 unsafe extern "C" fn log_of_fmi2(
     environment: *mut c_void,
     instance: *const c_char,

@@ -88,14 +88,7 @@ fn a_short_step_can_follow_a_long_one() {
 /// An importer with callback has its own times in the updates, in an early return and in messages.
 #[test]
 fn intermediate_updates_have_the_importers_times() {
-    let importer = Importer::handling(
-        Three,
-        Handles {
-            events: false,
-            early_return: true,
-            required: &[LEVEL],
-        },
-    );
+    let importer = Importer::handling(Three, Handles::updates(&[LEVEL]));
     importer.start_at(TODAY);
     importer.assert_logged("start at 1700000000 s");
     importer.answer(|update| (update.time == TODAY + 0.25).then_some(TODAY + 0.375));

@@ -9,7 +9,6 @@
 //!  ───────────────────+────
 //!  B0 B1 …       Bn-1 | C
 //! ```
-//! Unknowns whose neighbours change may stand in an order of their own, see [`Arrow::reorder`].
 
 mod lu;
 

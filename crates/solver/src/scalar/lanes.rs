@@ -157,20 +157,8 @@ impl Real for Lanes {
     }
 
     #[inline(always)]
-    fn atan2(self, x: Self) -> Self {
-        // By the standard library: no law needs it in a step, and it is exact on the axes.
-        let (y, x) = (self.to_array(), x.to_array());
-        Self::new(std::array::from_fn(|lane| y[lane].atan2(x[lane])))
-    }
-
-    #[inline(always)]
     fn ln(self) -> Self {
         Self(self.0.ln())
-    }
-
-    #[inline(always)]
-    fn exp(self) -> Self {
-        Self(self.0.exp())
     }
 
     #[inline(always)]

@@ -79,18 +79,9 @@ pub trait Real:
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
 
-    /// Angle of the point (`x`, `self`) against the first axis, −π to π. At the origin it has no
-    /// derivatives.
-    #[must_use]
-    fn atan2(self, x: Self) -> Self;
-
     /// Natural logarithm.
     #[must_use]
     fn ln(self) -> Self;
-
-    /// Exponential.
-    #[must_use]
-    fn exp(self) -> Self;
 
     /// ⟨x⟩₊ = ½(x + √(x² + δ²)); δ in the unit of x.
     #[must_use]
@@ -118,7 +109,7 @@ macro_rules! standard {
 impl Real for f64 {
     type Constant = Self;
 
-    standard!(sqrt recip ln exp);
+    standard!(sqrt recip ln);
 
     #[inline(always)]
     fn constant(value: Self) -> Self {
@@ -138,11 +129,6 @@ impl Real for f64 {
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         self.sin_cos()
-    }
-
-    #[inline(always)]
-    fn atan2(self, x: Self) -> Self {
-        self.atan2(x)
     }
 
     #[inline(always)]

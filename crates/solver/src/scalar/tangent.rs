@@ -117,20 +117,8 @@ where
     }
 
     #[inline(always)]
-    fn atan2(self, x: Self) -> Self {
-        let inverse = (self.re * self.re + x.re * x.re).recip();
-        self.join(&x, self.re.atan2(x.re), x.re * inverse, -(self.re * inverse))
-    }
-
-    #[inline(always)]
     fn ln(self) -> Self {
         self.chain(self.re.ln(), self.re.recip())
-    }
-
-    #[inline(always)]
-    fn exp(self) -> Self {
-        let value = self.re.exp();
-        self.chain(value, value)
     }
 
     #[inline(always)]
@@ -257,9 +245,8 @@ mod tests {
             let mut sum =
                 (sin + 2.0) * (cos + 3.0) / (a * a + 1.0) - smooth.value * smooth.slope + smooth.curvature;
             sum -= (b * b + 0.5).sqrt() + (a + 4.0).recip();
-            sum += soft.value * soft.slope - soft.curvature * (a * 0.3).exp() + far + (a * a + b).ln();
+            sum += soft.value * soft.slope - soft.curvature * (a * 0.3) + far + (a * a + b).ln();
             sum *= -a;
-            sum += (a - 1.5).atan2(b) - b.atan2(-a) * a.atan2(b - 2.0);
             sum
         }
         let point = [0.9, 0.4];

@@ -91,10 +91,9 @@ fn estimate_is_of_third_order() {
     }
 }
 
-/// The weights of the estimate are of third order for quadrature, where the estimate is the error.
-/// Of the four conditions for third order they violate Σ b̂ᵢ aᵢⱼ cⱼ = 1/6. So for ẏ = −y, where no
-/// other counts, the estimate is the part Σ (b̂ᵢ − bᵢ) aᵢⱼ cⱼ of an error of 1/6 − Σ bᵢ aᵢⱼ cⱼ,
-/// times h³.
+/// The weights of the estimate are of third order for quadrature. Of the four conditions for third
+/// order they violate Σ b̂ᵢ aᵢⱼ cⱼ = 1/6. So for ẏ = −y the estimate is the part Σ (b̂ᵢ − bᵢ) aᵢⱼ
+/// cⱼ of an error of 1/6 − Σ bᵢ aᵢⱼ cⱼ, times h³.
 #[test]
 fn estimate_is_the_error_of_quadrature() {
     let [estimate, exact] = one_step(&mut Test::new(Quadrature {}), 1e-3);

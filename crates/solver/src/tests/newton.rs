@@ -143,7 +143,6 @@ fn what_has_no_solution_is_an_error() {
     assert!(factorizations <= 15);
 }
 
-/// A stage is solved after a singular or failed one.
 #[test]
 fn solves_after_a_failure() {
     let mut system = Test::new(Parabola { constant: 1.0 });

@@ -16,7 +16,6 @@ impl<T: DualNum<Primitive = f64> + Copy> Real for T {}
 
 /// N equations F(t, y, ẏ, q) = 0.
 pub trait Equations<const N: usize> {
-    /// Whether the unknowns are rates of positions.
     const HAS_POSITION: bool;
 
     fn residual<T: Real>(&self, time: f64, y: [T; N], y_dot: [T; N], q: [T; N]) -> [T; N];
