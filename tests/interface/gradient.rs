@@ -159,7 +159,7 @@ fn under_both_forces_the_ratio_follows() {
 #[test]
 fn a_gradient_is_refused_where_there_is_none() {
     let parameters = variator(MODELS[0]);
-    let case = LoadCase::three(&parameters, 50.0)[1].clone();
+    let case = LoadCase::three(&parameters, 50.0)[1];
     let mut settings = settings(&parameters, &case, true);
     settings.parameters.belt.play = 0.0;
     let mut unit = started(&settings, None);

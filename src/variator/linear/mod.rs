@@ -1,8 +1,8 @@
 //! A linear model about a steady working point, for controller design (`docs/theory.md`, section
 //! 11).
 //!
-//! At a steady state the residual F(y, ẏ, q) − G u = 0 with q̇ = y is a descriptor system E ẋ = A x
-//! + B u with x = (y, q). Its eigenvalues below a chosen frequency are found by shift and
+//! At a steady state the residual F(y, ẏ, q) − G u = 0 with q̇ = y is a descriptor system
+//! E ẋ = A x + B u with x = (y, q). Its eigenvalues below a chosen frequency are found by shift and
 //! inversion, after balancing, because the unknowns have many units. Right and left eigenvectors
 //! project on them (Antoulas, Approximation of Large-Scale Dynamical Systems, 2005, sections 9.1
 //! and 9.2). Faster modes are a direct part D, so that the static gain is exact. Outputs are

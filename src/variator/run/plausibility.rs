@@ -2,7 +2,7 @@
 //! its start, strands that would buckle.
 
 use super::simulation::Simulation;
-use super::tuning::{BALANCED, FASTEST, LASTING, REPEATED};
+use super::tuning::{BALANCED, FASTEST, MESSAGE_TIME};
 use crate::archive::Archive;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ratio_of_theta;
@@ -116,10 +116,10 @@ fn buckling(simulation: &Simulation, last: &mut f64) -> Option<String> {
     } else {
         "push strand would buckle"
     };
-    let is_new = time - std::mem::replace(last, time) > REPEATED;
+    let is_new = time - std::mem::replace(last, time) > MESSAGE_TIME;
     is_new.then(|| {
         format!(
-            "at {time} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {REPEATED} s without)"
+            "at {time} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {MESSAGE_TIME} s without)"
         )
     })
 }
@@ -137,7 +137,7 @@ fn wrong_unit(simulation: &Simulation, since: &mut f64) -> Option<String> {
     } else {
         f64::INFINITY
     };
-    let lasting = found.filter(|_| simulation.time - *since >= LASTING);
+    let lasting = found.filter(|_| simulation.time - *since >= MESSAGE_TIME);
     lasting.map(|demand| format!("at {} s: {demand}", simulation.time))
 }
 

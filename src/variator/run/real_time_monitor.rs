@@ -1,7 +1,7 @@
 //! Whether a run keeps up with the clock, by its work, and the input that prevents it. Work is
 //! counted and not timed, so messages are a function of the inputs.
 
-use super::tuning::{JACOBIAN, JUDGED, RESIDUAL};
+use super::tuning::JUDGEMENT;
 use crate::archive::Archive;
 use crate::solver::newton::Counts;
 use crate::variator::pulleys::loads::SHORTEST_STEP;
@@ -37,11 +37,11 @@ impl RealTimeMonitor {
         self.simulated += simulated;
         self.residuals += work.residuals;
         self.jacobians += work.factorizations;
-        if self.simulated < JUDGED - SHORTEST_STEP {
+        if self.simulated < JUDGEMENT.time - SHORTEST_STEP {
             return None;
         }
-        let units = self.residuals as f64 + JACOBIAN * self.jacobians as f64;
-        let computing = units * unknowns as f64 * RESIDUAL;
+        let units = self.residuals as f64 + JUDGEMENT.jacobian * self.jacobians as f64;
+        let computing = units * unknowns as f64 * JUDGEMENT.residual;
         let late = (computing > self.simulated).then(|| self.remark(computing));
         *self = Self::new(given);
         late

@@ -117,17 +117,25 @@ pub const LEAST_FRACTION: f64 = 0.05;
 /// Half and twice: 0, 0; without: +2, +4.
 pub const SLIP_AT_CAPACITY: f64 = 0.015;
 
-/// Simulated time over which the work of a run is added up before it is judged, s.
-pub const JUDGED: f64 = 1.0;
-/// Time for a residual and the correction from it, for each unknown, s: with ten loads on three
-/// meshes of two rings it was 33 to 38 ns on one core of an AMD EPYC with AVX2.
-pub const RESIDUAL: f64 = 36.0e-9;
-/// Work of a Jacobian with its factors, in residuals: under rough loads 12 to 17 in the mean.
-pub const JACOBIAN: f64 = 14.0;
-/// Time after which slip or net compression of a strand is logged again, s.
-pub const REPEATED: f64 = 0.1;
-/// Time for which a load must seem to be in another unit before a warning, s: forces start small.
-pub const LASTING: f64 = 0.1;
+/// Judgement of the work of a run.
+pub struct Judgement {
+    /// Simulated time over which the work is added up, s.
+    pub time: f64,
+    /// Time for a residual and the correction from it, for each unknown, s: with ten loads on three
+    /// meshes of two rings it was 33 to 38 ns on one core of an AMD EPYC with AVX2.
+    pub residual: f64,
+    /// Work of a Jacobian with its factors, in residuals: under rough loads 12 to 17 in the mean.
+    pub jacobian: f64,
+}
+
+pub const JUDGEMENT: Judgement = Judgement {
+    time: 1.0,
+    residual: 36.0e-9,
+    jacobian: 14.0,
+};
+/// Time after which slip or net compression of a strand is logged again, s, and for which a load
+/// must seem to be in another unit before a warning: forces start small.
+pub const MESSAGE_TIME: f64 = 0.1;
 /// Speed above that of belts of cars, up to about 50 m/s.
 pub const FASTEST: f64 = 60.0;
 /// Relative deviation from balance up to which one torque seems to have the wrong sign.

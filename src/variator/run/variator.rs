@@ -6,7 +6,7 @@ use super::real_time_monitor::RealTimeMonitor;
 use super::simulation::Simulation;
 use super::steady_start::SteadyTangent;
 use super::stepper::Stepper;
-use super::tuning::{COLD_STEP, FIRST_STEP, MOMENT, REPEATED};
+use super::tuning::{COLD_STEP, FIRST_STEP, MESSAGE_TIME, MOMENT};
 use crate::archive::Archive;
 use crate::fmi::unit::Message;
 use crate::solver::State;
@@ -170,7 +170,7 @@ impl Variator {
             return;
         }
         self.macro_slip = slips;
-        if to - self.slipped > REPEATED {
+        if to - self.slipped > MESSAGE_TIME {
             self.simulation
                 .log(false, format!("at {to} s {}", Event::of_slip(slips).text()));
         }
