@@ -15,7 +15,7 @@ from .fmu import capacity
 from .fmu import unit as calls
 from .fmu.closing import closed_by, closing_at
 from .fmu.data import clamping_force, parameter_deviations, pitch_radius, torque_capacity
-from .fmu.bands import bands
+from .fmu.bands import DEVIATION, bands, increased
 from .fmu.results import Bands, SteadyState, dataframe, item
 from .fmu.start_values import StartValueError, Variables, checked
 from .fmu.steady import SteadyStates, driven_by_torque
@@ -216,7 +216,9 @@ class WorkingPoints:
         """
         if deviations is None:
             deviations = parameter_deviations(self.name)
-        point = self._point(self._values, ratio, torque, speed, force, safety)
+        return self._bands(self._point(self._values, ratio, torque, speed, force, safety), deviations)
+
+    def _bands(self, point: Point, deviations: Mapping[str, float]) -> Bands:
         for name in deviations.keys() - set(Point._fields):
             item(self._values, name, "variator", "parameter")
         try:
@@ -226,14 +228,8 @@ class WorkingPoints:
 
     def _changed(self, values: Values, point: Point, changes: Mapping[str, float]) -> dict[str, Any]:
         """Start values of a steady state with changes of parameters, within their ranges, and of the point."""
-        values, there = dict(values), point
-        for name, more in changes.items():
-            if name in Point._fields:
-                there = there._replace(**{name: getattr(there, name) + more})
-                continue
-            of = self._declared[name]
-            low, high = (end if given is None else float(given) for end, given in ((-np.inf, of.min), (np.inf, of.max)))
-            values[name] = min(max(values[name] + more, low), high)
+        of_point = {name: getattr(point, name) + more for name, more in changes.items() if name in Point._fields}
+        values, there = {**values, **increased(self._declared, values, {name: changes[name] for name in changes.keys() - of_point.keys()})}, point._replace(**of_point)
         held = driven_by_torque(values, there.ratio, there.speed, there.torque, there.force)
         return checked(self._declared, {**held, "initial.equilibrium": False})
 
@@ -338,27 +334,30 @@ class WorkingPoints:
         """
         return torque_capacity(self._values, ratio, min(1.0, thrust_ratio) * force)
 
-    @checks(**POINT | GRID)
+    @checks(**POINT | GRID, deviations=optional(mapping))
     def thrust_map(
         self, ratio: float | Iterable[float], torque: float | Iterable[float], *, speed: float = SPEED, force: float | None = None,
-        safety: float | None = SAFETY,
+        safety: float | None = SAFETY, deviations: Mapping[str, float] | None = None,
     ) -> xarray.Dataset:
         """Steady states over geometric ratios (1) and primary torques (N·m), with speed and force as in `steady`.
 
         Returns a data set with the dimensions `ratio` and `torque` and the attributes `variator`, `fmu` and `version`. It has a variable
         for each output (`thrustRatio`, `slip`, `efficiency`, … with the attributes `units` and `long_name`), `clampingForce` in N, and
-        `reason`, which is empty at points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
+        `reason`, which is empty at points with a steady state. Points without one have the value NaN. With `deviations`, as of `bands`, each
+        output has its standard deviation, such as `slip.sd`. Needs `pushbelt[maps]`.
         """
         dataset = package("xarray", "thrust_map needs xarray", "maps").Dataset
         axes = {"ratio": np.atleast_1d(np.asarray(ratio)), "torque": np.atleast_1d(np.asarray(torque))}
         if empty := [name for name, values in axes.items() if not len(values)]:
             raise ArgumentError(f"the map has no {empty[0]}")
-        names = [*calls.output_names(self._declared.values()), "clampingForce"]
+        outputs = calls.output_names(self._declared.values())
+        names = [*outputs, "clampingForce", *(name + DEVIATION for name in (outputs if deviations else ()))]
 
         def row(ratio: float, torque: float) -> list[float]:
             point = self._point(self._values, ratio, torque, speed, force, safety)
             state = self._steady(self._values, point)
-            return [*(state[name] for name in names[:-1]), point.force]
+            spread = self._bands(point, deviations).spread if deviations else {}
+            return [*(state[name] for name in outputs), point.force, *(spread[name] for name in outputs if spread)]
 
         found, reasons = over(axes, row, SteadyStateError)
         gap = [np.nan] * len(names)
@@ -366,6 +365,7 @@ class WorkingPoints:
         texts = {name: (one.unit, one.description) for name, one in self.variables.items()}
         texts |= {"ratio": ("1", "Geometric ratio r_S/r_P"), "torque": ("N.m", "Primary torque"), "speed": ("rad/s", "Primary speed")}
         texts["clampingForce"] = ("N", "Whole secondary clamping force")
+        texts |= {name + DEVIATION: (unit, f"Standard deviation: {text}") for name, (unit, text) in texts.items()}
         about = {name: {"units": unit, "long_name": text} for name, (unit, text) in texts.items()}
         return dataset(
             {name: (tuple(axes), one, about[name]) for name, one in zip(names, values, strict=True)} | {"reason": (tuple(axes), reasons)},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -14,8 +15,16 @@ SAMPLES = 60
 """Number of samples, with which a standard deviation is known to 9 %."""
 LINEAR_UTILISATION, LINEAR = 0.6, 0.5
 """Torque utilisation, and curvature as a share of an output's deviation, beyond which samples are drawn."""
+DEVIATION = ".sd"  # Suffix of a column of standard deviations
 NAMED = ("thrustRatio", "slip", "loss.total")
 """Outputs whose curvature counts."""
+
+
+def increased(variables: Mapping[str, Any], values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, float]:
+    """Values of variables with changes, within their ranges."""
+    limits = {name: (variables[name].min, variables[name].max) for name in changes}
+    ends = {name: (-np.inf if low is None else float(low), np.inf if high is None else float(high)) for name, (low, high) in limits.items()}
+    return {name: min(max(values[name] + more, ends[name][0]), ends[name][1]) for name, more in changes.items()}
 
 
 def bands(states: SteadyStates, start_values: Callable[[Mapping[str, float]], StartValues], deviations: Mapping[str, float]) -> Bands:

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
 
+from pushbelt.fmu.bands import DEVIATION, bands, increased
 from pushbelt.fmu.closing import closing_at
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
@@ -18,6 +21,9 @@ from pushbelt.study.tasks import Row
 
 SHORT_STEP = 1e-3
 """Length of the step after which the outputs are read, s. In a steady state they do not change during this step."""
+
+BANDS = ("thrustRatio", "slip", "efficiency", "loss.total")
+"""Outputs with a standard deviation and the parameters that make most of it."""
 
 Point = Mapping[str, float]
 """A working point: values by names of FMU variables, and `utilisation`: the primary torque over that at which the belt slips through,
@@ -54,9 +60,14 @@ def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, flo
     return values | {name: value for name, value in point.items() if name not in STANDARD}
 
 
-def solve(states: SteadyStates, values: Mapping[str, float]) -> Row:
-    """The steady state at these start values after a short step. Raises UnitError if there is none or if a call of the
-    FMU fails."""
+def solve(states: SteadyStates, values: Mapping[str, float], deviations: Mapping[str, float] = MappingProxyType({})) -> Row:
+    """The steady state at these start values after a short step, and bands by standard deviations of parameters. Raises UnitError if there is
+    none or if a call of the FMU fails."""
+    own: dict[str, Any] = {}
+    if deviations:
+        known = {**states.parameters, **values}
+        found = bands(states, lambda changes: {**values, **increased(states.unit.variables, known, changes)}, deviations)
+        own = {f"{name}{DEVIATION}": found[name] for name in BANDS} | {f"{name} by": ", ".join(found.largest(name)) for name in BANDS}
     unit = states.at(values)
     before = unit.get("thrustRatio")
     unit.step_to(SHORT_STEP)
@@ -65,4 +76,4 @@ def solve(states: SteadyStates, values: Mapping[str, float]) -> Row:
         raise UnitError("an output is not finite")
     drift = outputs["thrustRatio"] / before - 1.0 if before else 0.0
     truths = {name: bool(outputs[name]) for name in TRUTHS}
-    return outputs | truths | {"drift": drift, "remarks": "; ".join(unit.warnings) or None, "reason": None}
+    return outputs | truths | {"drift": drift, "remarks": "; ".join(unit.warnings) or None, "reason": None} | own

@@ -5,12 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import asdict, dataclass, fields
-from functools import cached_property
+from dataclasses import asdict, dataclass, field, fields
+from functools import cached_property, partial
 from typing import Any
 
 from pushbelt.errors import ArgumentError
-from pushbelt.fmu import capacity, closing, steady
+from pushbelt.fmu import bands, capacity, closing, steady
 from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
@@ -60,9 +60,9 @@ class Grid(Points):
     """Torque utilisation; negative where the secondary pulley drives."""
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            values = ascending(field.name, getattr(self, field.name), positive=field.name != "utilisation")
-            object.__setattr__(self, field.name, values)
+        for one in fields(self):
+            values = ascending(one.name, getattr(self, one.name), positive=one.name != "utilisation")
+            object.__setattr__(self, one.name, values)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -92,6 +92,7 @@ class Study(Tasks):
     """A grid or another design of points, with an FMU and common parameters; the geometry and `belt.pitchOffset` must be among them."""
 
     grid: Grid | Design = DEFAULT
+    deviations: Mapping[str, float] = field(default_factory=dict)  # Standard deviations of parameters, for bands
 
     def __post_init__(self) -> None:
         parameters = checked(self.variables, self.parameters, {"parameter"})
@@ -101,11 +102,14 @@ class Study(Tasks):
             raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
 
-    procedure = (point, steady, closing)
-    measure = staticmethod(point.solve)
+    procedure = (point, steady, closing, bands)
+
+    @property
+    def measure(self) -> Any:
+        return partial(point.solve, deviations=self.deviations)
 
     def document(self) -> dict[str, Any]:
-        return {"parameters": dict(self.parameters), "grid": asdict(self.grid)}
+        return {"parameters": dict(self.parameters), "grid": asdict(self.grid), **({"deviations": dict(self.deviations)} if self.deviations else {})}
 
     def tasks(self) -> list[dict[str, float]]:
         return [self.start_values(point) for point in self.grid.points()]
