@@ -17,7 +17,7 @@ from pushbelt.maps import report
 from pushbelt.maps.panels import Border, Quantity, levels_of, middle_of, panel
 from pushbelt.report import belt_view, charts, page, style
 from pushbelt.report.charts import Chart, Field, Level, Mark, Panel, Series, Shade
-from pushbelt.sweep.maps import carried
+from pushbelt.sweep.report import carried
 
 BENCH = data.parameter_set("bench168")
 
@@ -70,7 +70,6 @@ EVERYTHING = Panel(
         Series("points", [0.0, 1.0], [1.0, 2.0], kind="points", marker="x-thin-open", labels=["a", "b"], texts=["7", "8"],
                text_sides=["middle left", "middle right"]),
         Series("bars", [0.0, 1.0], [1.0, 2.0], kind="bars", hatched=[True, False], errors=([0.1, 0.1], [0.2, 0.2])),
-        Series("rows", [1.0, 2.0], [0.0, 1.0], kind="rows"),
         Series("band", [0.0, 1.0], [1.0, 2.0], kind="band", upper=[2.0, 3.0]),
     ],
     "x", "y",
@@ -90,7 +89,7 @@ def test_plotly_knows_every_setting(scale: str, linked: bool) -> None:
     figure = charts.panel_data(Panel(**{**EVERYTHING.__dict__, "scale": scale, "x_range": None}), linked)
     script = page._environment().get_template("charts.js.j2").render(dict.fromkeys(("ink", "muted", "grid"), style.INK))
     template = json.loads(re.search(r"const TEMPLATE = (.*?\n  });", script, re.DOTALL).group(1))
-    assert len(go.Figure(data=figure["data"], layout={**figure["layout"], "template": template}).data) == 8
+    assert len(go.Figure(data=figure["data"], layout={**figure["layout"], "template": template}).data) == 7
 
 
 def test_axes_of_equal_scale_have_a_margin_around_the_lines() -> None:

@@ -3,7 +3,6 @@
 import itertools
 import random
 import re
-import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -46,10 +45,9 @@ LONG = [[repr(float(columns()[t.split(" ")[0].replace("efficiency", "eta")][k]))
 MISSPELLED = ("primery.torque [Nm]", "primary.torqe [Nm]", "secondary.clampForces [kN]", "ratio.geometrc", "efficency")
 UNKNOWN = ("T_oil", "humidity [%]", "belt noise [dB]", "p_line [bar]", "u", "axle torque sensor", "primary secondary speed [rpm]")
 HEADER = "ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN]"
-ZIPPED = {"a.txt": "a zip archive", "mimetype": "an OpenDocument file", "xl/workbook.bin": "a binary workbook"}
 OTHERS = [
-    (b"\x89HDF\r\n\x1a\n\0\0", "HDF5"), (b"MATLAB 5.0 MAT-file, Platform" + bytes(100), "MATLAB"), (b"TDSm\x0e\0\0\0", "TDMS"),
-    (b'{"n_P": [1, 2]}', "JSON"), (b'\xef\xbb\xbf [\n {"n_P": 1}]', "JSON"), (b"<?xml ?><a/>", "XML"), (b"CDF\x01\0", "netCDF"),
+    (b"MATLAB 5.0 MAT-file, Platform" + bytes(100), "bytes that no text has; export"), (b"TDSm\x0e\0\0\0", "bytes that no text has; export"),
+    (b'{"n_P": [1, 2]}', "this is JSON"), (b'\xef\xbb\xbf [\n {"n_P": 1}]', "JSON"), (b"<?xml ?><a/>", "this is XML"), (b"PK\x03\x04", "readable .xlsx"),
 ]
 
 
@@ -360,15 +358,11 @@ def test_a_unit_is_no_name_and_a_deviation_has_the_unit_of_its_column(tmp_path: 
         points.read(written(path, rows, ";"))
 
 
-@pytest.mark.parametrize(("content", "kind"), [*OTHERS, *ZIPPED.items()])
-def test_files_of_other_kinds_are_named(content: bytes | str, kind: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("content", "why"), OTHERS)
+def test_files_of_other_kinds_are_refused(content: bytes, why: str, tmp_path: Path) -> None:
     path = tmp_path / "table.dat"
-    if isinstance(content, bytes):
-        path.write_bytes(content)
-    else:
-        with zipfile.ZipFile(path, "w") as archive:
-            archive.writestr(content, "application/vnd.oasis.opendocument.spreadsheet")
-    with pytest.raises(TableError, match=f"this is .*{kind}.*, not a table: export it as CSV") as error:
+    path.write_bytes(content)
+    with pytest.raises(TableError, match=why) as error:
         points.read(path)
     assert "\n" not in str(error.value)
 

@@ -8,13 +8,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from markupsafe import Markup, escape
+from markupsafe import Markup
 from scipy.integrate import cumulative_trapezoid
 
 from ..fmu.data import curve_of, is_chain
 from ..fmu.geometry import Array, TwoPulleyCurve
 from ..fmu.results import BeltState, Profile, Trace
 from .charts import encoded
+from .page import fragment
 from .style import COLOUR_SCALE
 
 ELEMENTS_TOGETHER = 3  # Number of elements of the belt per drawn element. The pins of a chain are drawn one by one.
@@ -127,20 +128,9 @@ def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group:
     }  # fmt: skip
     begin = shown.time[0] if start is None else start
     value = round(STEPS * float((begin - shown.time[0]) / (shown.time[-1] - shown.time[0])))
-    playing = f" The animation is {pace:.0f} times as fast as the run." if pace > 1.5 else ""
-    elements = f"Gaps between elements are magnified {gap_scale} times, one drawn element represents {together} elements."
-    drawn = "The pins of the chain are drawn." if chain else elements
-    bar = f"linear-gradient(90deg, {', '.join(COLOUR_SCALE)})"
-    return Markup(
-        f'<div class="belt" role="group" aria-label="{escape(label)}"><svg role="img" aria-label="{escape(label)}"></svg>'
-        '<div class="controls"><button type="button">Play</button>'
-        f'<input type="range" min="0" max="{STEPS}" value="{value}" aria-label="{"Turning" if still else "Time"}">'
-        "<output></output></div>"
-        f'<div class="scale">0<i style="background: {bar}"></i>{1e-3 * most:.2f} kN {force}</div>'
-        f'<p class="source">The distance from the reference curve is magnified {magnification:.0f} times. {drawn}'
-        f" One turn in the animation represents {slow:.0f} turns.{playing}</p>"
-        f'<script type="application/json">{json.dumps(data, separators=(",", ":"))}</script></div>'
-    )
+    text = json.dumps(data, separators=(",", ":"))
+    shown_there = {"steps": STEPS, "value": value, "colours": COLOUR_SCALE, "gap_scale": gap_scale, "together": together}
+    return fragment("belt.html.j2", label=label, data=data, text=text, **shown_there)
 
 
 def _whole(values: Array) -> dict[str, object]:

@@ -19,6 +19,7 @@ from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
 from ..fmu.geometry import Array
+from .page import fragment
 from .style import INK, MUTED, colour_stops
 
 BUCKETS = 500  # Number of parts of a long line. In each part only the first, least, greatest and last value remain.
@@ -36,7 +37,7 @@ class Series:
     x: ArrayLike
     y: ArrayLike
     colour: str = INK
-    kind: str = "line"  # `line`, `points`, `bars`, `rows` (horizontal bars) or `band` (between `y` and `upper`)
+    kind: str = "line"  # `line`, `points`, `bars` or `band` (between `y` and `upper`)
     dash: str = ""
     marker: str = ""  # Marker by its name in plotly: `circle`, `circle-open`, `x-thin-open` and so on; empty for a line
     size: float = 6.0
@@ -142,23 +143,8 @@ def stack(rows: Sequence[tuple[str, Sequence[Series], dict[str, Any]]], x_label:
 def html(chart: Chart) -> Markup:
     of_panels = [panel_data(panel, chart.linked) for panel in chart.panels]
     specification = {"linked": chart.linked, "group": chart.group, "commonLegend": chart.common_legend, "panels": of_panels}
-    panels = "".join(
-        f'<div class="panel"><h4>{escape(panel.title)}</h4><div class="keys"></div>'
-        f'<div class="plot" style="height: {panel.height}px" tabindex="0" role="group"'
-        f' aria-label="{escape(panel.title or chart.label)}"></div>'
-        f'<p class="source">{escape(panel.note)}</p></div>'
-        for panel in chart.panels
-    )
     text = json.dumps(specification, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/")
-    return Markup(
-        f'<div class="chart" role="group" aria-label="{escape(chart.label)}">'
-        '<div class="tools"><span class="keys common"></span><output class="cursor"></output>'
-        '<button type="button" data-do="in" title="Zoom in (+)">+</button>'
-        '<button type="button" data-do="out" title="Zoom out (−)">−</button>'
-        '<button type="button" data-do="all" title="Show all (0)">all</button></div>'
-        f'<div class="panels" style="--columns: {chart.columns}; --least: {chart.least_width}px">{panels}</div>'
-        f'<script type="application/json">{text}</script></div>'
-    )
+    return fragment("chart.html.j2", chart=chart, data=text)
 
 
 def panel_data(panel: Panel, linked: bool = False) -> dict[str, Any]:
@@ -220,7 +206,7 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
         edge = {"type": "scatter", "mode": "lines", "x": encoded(x), "opacity": 1.0, "line": {"width": 0.0}}
         filled = {"y": encoded(upper), "fill": "tonexty", "fillcolor": f"rgba({red},{green},{blue},{one.opacity})"}
         return [common | edge | {"y": encoded(y)}, common | edge | filled]
-    if one.kind in ("bars", "rows"):
+    if one.kind == "bars":
         return [common | _bars(one, x, y)]
     if panel.scale == "symlog":
         y = symlog(y, panel.linear_to)
@@ -248,21 +234,15 @@ def _hover(one: Series) -> dict[str, Any]:
 
 
 def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
-    lying = one.kind == "rows"
     trace: dict[str, Any] = {"type": "bar", "x": encoded(x), "y": encoded(y), "marker": {"color": one.colour}}
     if one.bar_width is not None:
         trace["width"] = one.bar_width
-    if lying:
-        trace["orientation"] = "h"
     if one.hatched is not None and any(one.hatched):
         trace["marker"]["pattern"] = {"shape": ["/" if hatched else "" for hatched in one.hatched], "size": 6}
     if one.errors is not None:
         below, above = one.errors
         trace["error_y"] = {"type": "data", "symmetric": False, "array": encoded(above), "arrayminus": encoded(below)}
-    trace |= _hover(one)
-    if lying:
-        trace["hovertemplate"] = "<b>%{x:.4~g}</b><extra>" + escape(one.name) + "</extra>"
-    return trace
+    return trace | _hover(one)
 
 
 def _field(panel: Panel, one: Field) -> dict[str, Any]:
