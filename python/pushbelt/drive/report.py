@@ -194,7 +194,8 @@ def write_html(results: Results, path: Path) -> None:
         "saved": fixed.variator_loss - slip.variator_loss,
         "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
         "losses": [part for part in LOSSES if any(run[f"loss.{part}"].any() for run in results.runs)],
-        "pump": {"displacement": DISPLACEMENT, "margin": PUMP_MARGIN, "efficiency": PUMP_EFFICIENCY}, "map_force": FORCE, "step": STEP, "low_friction": LOW_FRICTION,
+        "pump": {"displacement": DISPLACEMENT, "margin": PUMP_MARGIN, "efficiency": PUMP_EFFICIENCY},
+        "map_force": FORCE, "step": STEP, "low_friction": LOW_FRICTION,
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
         "pictures": {
             "belt": belt, "drive": drive(slip, GROUP), "close_up": drive(close_up) if close_up else "", "savings": savings(fixed, slip),

@@ -17,6 +17,7 @@ from lxml import etree
 from ..errors import PushbeltError, UnknownNameError, similar
 from ..whole_file import copy_archive
 from .results import dataframe
+from .untrusted import named
 
 if TYPE_CHECKING:
     import pandas
@@ -26,7 +27,6 @@ LIST = "resources/start-values.txt"  # File of start values that the library rea
 SHARED = len("{01234567-0123-0123-")
 """Characters of its GUID that a copy shares with the original. The library compares as many (`crates/fmi/src/start_values.rs`)."""
 TRUTH = {"true": True, "1": True, "1.0": True, "false": False, "0": False, "0.0": False}
-LARGEST_SSV = 10_000_000  # Largest size of an SSV file, bytes
 SETTABLE = ("parameter", "input")  # Causalities of variables with a start value that can be set
 
 
@@ -155,17 +155,11 @@ def _read(variable: Any, value: Any) -> tuple[float | None, str]:
 
 def read_ssv(path: Path, variables: Mapping[str, Any]) -> dict[str, float]:
     """The values of an SSV file (System Structure Parameter Values 1.0), checked against the FMU's variables. Units must be those of the FMU.
-    Raises StartValueError if the file cannot be used, OSError if it cannot be read."""
+    Raises InputFileError for another file, StartValueError for its values, OSError if it cannot be read."""
     from fmpy.ssp import ssd
 
-    if path.stat().st_size > LARGEST_SSV:
-        raise StartValueError(f"{path} has more than {LARGEST_SSV} bytes")
-    with path.open("rb") as file:
-        try:
-            parameters = ssd.read_ssv(file).parameters
-        # The schema and the parser have no common class of errors.
-        except Exception as error:
-            raise StartValueError(f"{path} violates the schema of SSV 1.0: {str(error).splitlines()[-1]}") from error
+    with named(path, "valid by the schema of SSV 1.0"):
+        parameters = ssd.read_ssv(str(path)).parameters
     for one in parameters:
         own = variables[one.name].unit or "1" if one.name in variables else None
         if own is not None and (one.unit or own) != own:

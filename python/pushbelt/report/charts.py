@@ -23,7 +23,6 @@ from .page import fragment
 from .style import INK, MUTED, colour_stops
 
 BUCKETS = 500  # Number of parts of a long line. In each part only the first, least, greatest and last value remain.
-SYMLOG_SHARE = 1.5  # Height of the linear part of a symlog axis, in decades
 MARGIN = 0.06  # Empty part of the axes on each side of a figure whose axes have the same scale
 
 Tick = tuple[float, str]
@@ -104,9 +103,8 @@ class Panel:
     x_label: str = ""
     y_label: str = ""
     fields: Sequence[Field] = ()
-    scale: str = "linear"  # Scale of y: `linear`, `log`, or `symlog`, which is linear up to `linear_to`
+    scale: str = "linear"  # Scale of y: `linear` or `log`
     x_scale: str = "linear"
-    linear_to: float = 1.0
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
     x_ticks: tuple[Tick, ...] = ()
@@ -148,14 +146,11 @@ def html(chart: Chart) -> Markup:
 
 
 def panel_data(panel: Panel, linked: bool = False) -> dict[str, Any]:
-    """Data and layout of a panel for plotly, and data for the page's script."""
+    """Data and layout of a panel for plotly."""
     traces = [_field(panel, one) for one in panel.fields]
     for one in panel.series:
-        traces += _traces(panel, one, linked)
-    data: dict[str, Any] = {"data": traces, "layout": _layout(panel, linked)}
-    if panel.scale == "symlog":
-        data["symlog"] = {"linearTo": panel.linear_to, "share": SYMLOG_SHARE}
-    return data
+        traces += _traces(one, linked)
+    return {"data": traces, "layout": _layout(panel, linked)}
 
 
 # Numbers
@@ -187,17 +182,10 @@ def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
     return x[kept], y[kept]
 
 
-def symlog(values: ArrayLike, linear_to: float) -> Array:
-    """Positions on an axis that is linear up to `linear_to` and logarithmic beyond."""
-    y = np.asarray(values, dtype=float)
-    beyond = np.sign(y) * (SYMLOG_SHARE + np.log10(np.maximum(np.abs(y), linear_to) / linear_to))
-    return np.where(np.abs(y) <= linear_to, SYMLOG_SHARE * y / linear_to, beyond)
-
-
 # Traces
 
 
-def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
+def _traces(one: Series, linked: bool) -> list[dict[str, Any]]:
     x, y = np.asarray(one.x, dtype=float), np.asarray(one.y, dtype=float)
     common = {"name": one.name, "opacity": one.opacity, "hoverinfo": "none"}
     if one.kind == "band":
@@ -208,8 +196,6 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
         return [common | edge | {"y": encoded(y)}, common | edge | filled]
     if one.kind == "bars":
         return [common | _bars(one, x, y)]
-    if panel.scale == "symlog":
-        y = symlog(y, panel.linear_to)
     if one.kind == "line" and not one.marker:
         x, y = thinned(x, y)
     mode = "markers" if one.kind == "points" else "lines+markers" if one.marker else "lines"
@@ -295,13 +281,9 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
     if panel.equal and panel.x_range is None and panel.scale == panel.x_scale == "linear":
         x, y = ([getattr(one, axis) for one in panel.series] for axis in "xy")
         panel = replace(panel, x_range=around(x), y_range=around(y))
-    y_ticks, y_range = panel.y_ticks, panel.y_range
-    if panel.scale == "symlog":
-        y_ticks = tuple((float(symlog(place, panel.linear_to)), text) for place, text in y_ticks)
-        y_range = None if y_range is None else (float(symlog(y_range[0], panel.linear_to)), float(symlog(y_range[1], panel.linear_to)))
     layout: dict[str, Any] = {
         "xaxis": _axis(panel.x_label, panel.x_ticks, panel.x_range, panel.x_scale),
-        "yaxis": _axis(panel.y_label, y_ticks, y_range, panel.scale),
+        "yaxis": _axis(panel.y_label, panel.y_ticks, panel.y_range, panel.scale),
         "hovermode": "x" if linked else "closest", "hoverdistance": -1 if linked else 24,
         "barmode": "relative" if panel.stacked else "group",
         "margin": {}, "shapes": _shapes(panel), "annotations": _annotations(panel),

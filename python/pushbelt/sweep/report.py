@@ -14,7 +14,7 @@ import xarray
 from xarray import DataArray
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.maps.panels import QUANTITIES, Border, Quantity, levels_of, panel, shades
+from pushbelt.maps.panels import QUANTITIES, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
 from pushbelt.report.page import Check, write_html
 from pushbelt.report.style import BLUE, RED, RPM, in_figures
@@ -124,7 +124,7 @@ def _contours(results: xarray.Dataset, quantity: Quantity) -> Chart:
         there = np.isfinite(values)
         kinds = {"solved": there & ~slips, "slips through": there & slips, "no steady state": ~there}
         title = f"μ = {friction:g}, {RPM * speed:.0f} rpm"
-        panels.append(panel(title, quantity, axes, values, levels, kinds, Border(carried(axes[1], there & ~slips))))
+        panels.append(panel(title, quantity, axes, values, levels, kinds, carried(axes[1], there & ~slips)))
     columns = min(len(panels), ACROSS)
     return Chart(panels, f"Maps of {quantity.name}", columns=columns, common_legend=True, least_width=240)
 
