@@ -99,11 +99,6 @@ def test_axes_of_equal_scale_have_a_margin_around_the_lines() -> None:
     assert layout["yaxis"]["range"] == pytest.approx([-1.15, 1.65])
 
 
-def test_speeds_add_up_to_ways() -> None:
-    time = np.linspace(0.0, 2.0, 2001)
-    assert belt_view.integrated(time, 3.0 * time, np.array([0.0, 1.0, 2.0])) == pytest.approx([0.0, 1.5, 6.0])
-
-
 def test_colours_diverge_from_zero_wherever_it_is() -> None:
     for middle in (0.2, 0.5, 0.8):
         stops = dict(style.colour_stops(middle))

@@ -177,7 +177,6 @@ def solved(study: Study, archive: Archive) -> dict[int, Row]:
     """The whole study, solved by one instance, last point first."""
     solver = Solver(archive, {}, solve)
     found = {number: row for chunk in chunks(study, set(), 8)[::-1] for number, row in solver.solve(chunk)}
-    assert solver.instances == 1
     solver.close()
     return found
 

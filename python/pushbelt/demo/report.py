@@ -92,7 +92,7 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
         ("Speeds (rpm)", [line("P", RPM * trace["primary.speed"], BLUE), line("S", RPM * trace["secondary.speed"], ORANGE)], {}),
         ("Ratio", ratios, {"y_range": (0.0, 1.25 * float(trace["ratio.geometric"].max()))}),
         ("Slip (%)", [line("slip", slip, RED)], {"y_range": (-1.0, 5.0)}),
-        ("Losses (kW)", losses, {"scale": "log", "y_range": (1e-3, 1e2)}),
+        ("Losses (kW)", losses, {"scale": "log", "y_range": (1e-3, 1e3)}),
         ("Energy residual: supplied minus lost minus stored (J)", residual, {}),
     ]
     shades = [Shade(start, max(end, start + 0.01), RED) for start, end in intervals(trace.time, trace["macroSlip"], gap=0.02)]
@@ -137,10 +137,6 @@ def shaded_arcs(curve: TwoPulleyCurve, named: bool = False) -> list[Shade]:
 
 
 def write_html(results: DemoResults, path: Path) -> None:
-    page.write_html("demo/report.html.j2", _context(results), path)
-
-
-def _context(results: DemoResults) -> dict[str, Any]:
     chosen = next(result for result in results.cases if result.case.name == CHOSEN_CASE)
     curve = curve_at(results.parameters, chosen.steady)
     trace = results.manoeuvre.trace
@@ -158,7 +154,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
     if slips_through is not None:
         theta = float(trace["reference.theta"][np.argmin(np.abs(trace.time - 8.6))])
         pictures["overload_fields"] = fields(slips_through, curve_of(results.parameters, theta))
-    return {
+    context = {
         "version": results.fmu_version, "variator": results.variator,
         "parameters": results.parameters, "chain": is_chain(results.parameters),
         "rows": [{"result": result, "imbalance": events.power_imbalance(result)} for result in results.cases],
@@ -169,6 +165,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "energy_lost": float(np.sum(trace["loss.total"]) * STEP),
         "chosen": chosen, "speed": load_case_speed(), "pictures": pictures,
     }  # fmt: skip
+    page.write_html("demo/report.html.j2", context, path)
 
 
 def write_trace(results: DemoResults, path: Path) -> None:

@@ -70,7 +70,7 @@ def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Pa
     if 'class="chart"' in text or 'class="belt"' in text:
         colours = {"ink": style.INK, "muted": style.MUTED, "grid": style.GRID}
         scripts = fragment("scripts.html.j2", **colours, plotly=packed_plotly(), notices=plotly_notices())
-        text = text.replace("</main>", scripts + "</main>")
+        text = text.replace("</main>", f"{scripts}</main>")
     path.write_text(text, encoding="utf-8")
 
 
