@@ -16,14 +16,16 @@ from typing import Any
 
 import fmpy
 import numpy as np
+from fmpy.ssp import ssd
 from lxml import etree
 
 from pushbelt.fmu.files import RESOURCES, default_fmu
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.start_values import SSV, check_ssv, checked
+from pushbelt.fmu.start_values import checked
 
 NAME = "org.fmi-standard.fmi-ls-ref"
 VERSION = "1.0.0-beta.1"
+SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 NAMESPACE = "http://fmi-standard.org/fmi-ls-manifest"
 ABOUT = "Layered Standard providing information on related files included in an FMU."
@@ -156,7 +158,7 @@ def set_of(values: Mapping[str, Any], description: Any, name: str) -> bytes:
             kind.set("value", str(value).lower())
     _define(root, units, enumerations)
     text = etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
-    check_ssv(etree.fromstring(text))
+    ssd.validate_tree(etree.fromstring(text), "SystemStructureParameterValues.xsd")
     return text
 
 

@@ -17,7 +17,7 @@ OUTPUT = "--output"  # Option with the folder of the results
 
 
 class Input(NamedTuple):
-    """A file or a folder that was read."""
+    """A file that was read."""
 
     name: str
     sha256: str
@@ -36,8 +36,8 @@ _current: Provenance | None = None
 
 
 def begin(program: str, arguments: Sequence[str] | None, module: str | None = None) -> Provenance:
-    """Records the start of a program; `arguments` is that of its `main`. Files and folders among the arguments are the
-    inputs. `module` is its module if the command `pushbelt` does not start it."""
+    """Records the start of a program; `arguments` is that of its `main`. Files among the arguments, and runs in
+    folders among them, are the inputs. `module` is its module if the command `pushbelt` does not start it."""
     global _current
     words = list(sys.argv[1:] if arguments is None else arguments)
     started = os.environ.get(COMMAND) if arguments is None else None
@@ -53,27 +53,16 @@ def current(program: str) -> Provenance | None:
 
 
 def _inputs(words: Sequence[str]) -> list[Input]:
-    """Files and folders among the words, once each. The folder of the results is none, and is left out of the others."""
+    """Files among the words and runs in folders among them, once each. The folder of the results is none."""
     found: dict[str, Input] = {}
     output = re.search(rf"(?:^|\0){OUTPUT}[=\0]([^\0]+)", "\0".join(words))
     written = Path(output[1]).resolve() if output else None
     for word in filter(None, words):
         # `--fmu=FILE`, `name=FILE` and lists.
-        for part in filter(None, (word, *re.split(r"[=,]", word))):
-            if os.path.isfile(part):
-                found[part] = Input((path := Path(part)).name, hashlib.sha256(path.read_bytes()).hexdigest())
-        if not word.startswith("-") and os.path.isdir(word) and (path := Path(word)).resolve() != written:
-            found[word] = Input(f"{path.resolve().name}/", hash_of_folder(path, written))
-    return list({one.sha256: one for one in found.values()}.values())
-
-
-def hash_of_folder(folder: Path, without: Path | None = None) -> str:
-    """Hash of names and contents of all files in a folder, in the order of their names; `without` is a folder that is left out.
-
-    `find . -type f | LC_ALL=C sort | xargs -d '\\n' sha256sum | sha256sum` in the folder prints it.
-    """
-    found = hashlib.sha256()
-    files = [path for path in folder.rglob("*") if path.is_file() and (without is None or without not in path.resolve().parents)]
-    for name, path in sorted((path.relative_to(folder).as_posix(), path) for path in files):
-        found.update(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  ./{name}\n".encode())
-    return found.hexdigest()
+        files = [(Path(part).name, Path(part)) for part in (word, *re.split(r"[=,]", word)) if os.path.isfile(part)]
+        if not word.startswith("-") and os.path.isdir(word) and Path(word).resolve() != written:
+            files = [(f"{path.parent.name}/{path.name}", path) for path in sorted(Path(word).resolve().glob("*.csv"))]
+        for name, path in files:
+            sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+            found.setdefault(sha256, Input(name, sha256))
+    return list(found.values())

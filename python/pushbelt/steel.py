@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu.geometry import Array
-
-RANGES = {
-    "strength": (100.0, 5000.0, " MPa"), "limit": (10.0, 3000.0, " MPa"), "knee": (1e3, 1e12, ""), "slope": (1.0, 50.0, ""),
-    "safety": (1.0, 10.0, ""),
-}  # fmt: skip
-"""Range of each value. A value outside is most likely in another unit."""
 
 
 def check_ranges(one: object, what: str, ranges: Mapping[str, tuple[float, float, str]]) -> None:
@@ -26,18 +21,24 @@ def check_ranges(one: object, what: str, ranges: Mapping[str, tuple[float, float
             raise ArgumentError(f"{name} of {what}: {value:g}{unit} is not within {low:g} to {high:g}{unit}")
 
 
+def _of(default: float, low: float, high: float, unit: str, text: str) -> Any:
+    """A value with its range, outside of which it is most likely in another unit, and the text of its option."""
+    return field(default=default, metadata={"range": (low, high, unit), "help": text})
+
+
 @dataclass(frozen=True)
 class Material:
-    """Haigh line and S-N curve. The defaults are engineering values for maraging steel rings (docs/durability.md)."""
+    """Haigh line and S-N curve: cycles to failure are proportional to amplitude^-slope above the limit. Stresses are in Pa. The defaults are
+    engineering values for maraging steel rings (docs/durability.md); the safety is for scatter, the size of a ring and what the stress leaves out."""
 
-    strength: float = 2.0e9  # Tensile strength R_m, Pa
-    limit: float = 6.0e8  # Fatigue limit: amplitude without mean stress that half of the specimens bear, Pa
-    knee: float = 1.0e7  # Cycles to failure at the fatigue limit
-    slope: float = 10.0  # Exponent k of the S-N curve above the limit: cycles to failure are proportional to amplitude^-k
-    safety: float = 1.5  # Factor by which the limit is reduced, for scatter, the size of a ring, and what the stress leaves out
+    strength: float = _of(2e9, 100.0, 5000.0, " MPa", "tensile strength R_m, MPa or with its unit")
+    limit: float = _of(6e8, 10.0, 3e3, " MPa", "fatigue limit: amplitude without mean stress that half of the specimens bear, MPa or with its unit")
+    knee: float = _of(1e7, 1e3, 1e12, "", "cycles to failure at the fatigue limit")
+    slope: float = _of(10.0, 1.0, 50.0, "", "exponent of the S-N curve above the limit")
+    safety: float = _of(1.5, 1.0, 10.0, "", "factor by which strength and limit are reduced")
 
     def __post_init__(self) -> None:
-        check_ranges(self, "the steel", RANGES)
+        check_ranges(self, "the steel", {one.name: one.metadata["range"] for one in fields(self)})
         if self.limit >= self.strength:
             raise ArgumentError(f"limit of the steel: {1e-6 * self.limit:g} MPa is not below its strength, {1e-6 * self.strength:g} MPa")
 

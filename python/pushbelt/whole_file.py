@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import threading
 import zipfile
@@ -26,16 +27,13 @@ def copy_archive(
     archive: Path, copy: Path, changed: Mapping[str, Callable[[bytes], bytes]], added: Mapping[str, bytes | None]
 ) -> None:
     """Writes a copy of an archive with changed files, and with others added or replaced; None removes one. `copy` may be the archive."""
-    draft = copy.with_name(f"{copy.name}.part")
-    try:
-        with zipfile.ZipFile(archive) as source, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as target:
-            for entry in source.infolist():
-                if entry.filename not in added:
-                    content = source.read(entry)
-                    target.writestr(entry, changed[entry.filename](content) if entry.filename in changed else content)
-            for name, new in added.items():
-                if new is not None:
-                    target.writestr(name, new)
-        draft.replace(copy)
-    finally:
-        draft.unlink(missing_ok=True)
+    whole = io.BytesIO()
+    with zipfile.ZipFile(archive) as source, zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as target:
+        for entry in source.infolist():
+            if entry.filename not in added:
+                content = source.read(entry)
+                target.writestr(entry, changed[entry.filename](content) if entry.filename in changed else content)
+        for name, new in added.items():
+            if new is not None:
+                target.writestr(name, new)
+    write_whole(copy, whole.getvalue())

@@ -79,7 +79,7 @@ def stands_alone(report: Path) -> str:
     """The report's text, after checks that it has no external resources and contains its library once."""
     text = report.read_text(encoding="utf-8")
     packed = '<script type="application/gzip" id="plotly">'
-    assert text.count(packed) == 1
+    assert text.count(packed) == 1 and text.count("</main>") == 1
     own = re.sub(r"<pre>.*?</pre>", "", text.split(packed)[0], flags=re.DOTALL)
     assert not re.search(r"""(?:src|href|action|data)\s*=\s*["']?(?:https?:)?//|url\(|@import""", own)
     return text

@@ -16,7 +16,7 @@ from pushbelt import console
 from pushbelt.fmu.files import DOCS
 from pushbelt.whole_file import write_whole
 
-INTERRUPTIBLE = pytest.mark.skipif(sys.platform == "win32", reason="Windows sends Ctrl-C to all processes of a console")
+ENDS = {signal.SIGINT: (130, ["interrupted"]), signal.SIGTERM: (143, ["terminated"])}  # Exit code, and last line of the errors
 POOL = """
 import sys, time
 from pathlib import Path
@@ -57,45 +57,31 @@ def interrupted(started: subprocess.Popen[bytes], busy: Callable[[], bool], how:
     return started.returncode, errors.decode().splitlines()
 
 
-@INTERRUPTIBLE
-@pytest.mark.parametrize(("how", "end"), [(signal.SIGINT, (130, ["interrupted"])), (signal.SIGTERM, (143, ["terminated"]))])
-def test_a_signal_ends_busy_workers_with_one_line(how: int, end: tuple[int, list[str]], tmp_path: Path) -> None:
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends Ctrl-C to all processes of a console")
+@pytest.mark.parametrize("signalled", ENDS)
+def test_a_signal_ends_busy_workers_with_one_line(signalled: int, tmp_path: Path) -> None:
     script, places = tmp_path / "pool.py", [tmp_path / "one", tmp_path / "two"]
     script.write_text(POOL, encoding="utf-8")
-    assert interrupted(process([str(script), *map(str, places)]), lambda: all(place.exists() for place in places), how) == end
-
-
-def program(words: list[str], fmu: Path, folder: Path) -> subprocess.Popen[bytes]:
-    """`pushbelt` with an FMU; its table is in the folder."""
-    (folder / "table.csv").write_text(TABLE, encoding="utf-8")
-    words = [word.replace("table.csv", str(folder / "table.csv")) for word in words]
-    return process(["-m", "pushbelt", *words, "--fmu", str(fmu), "--output", str(folder / "out")])
-
-
-@INTERRUPTIBLE
-@pytest.mark.slow
-@pytest.mark.parametrize("words", [["demo"], ["calibrate", "table.csv"]], ids=lambda words: words[0])
-def test_ctrl_c_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> None:
-    """Two processes besides that of resources: workers that have started or are about to."""
-    started = program(words, fmu, tmp_path)
-    code, said = interrupted(started, lambda: len(psutil.Process(started.pid).children()) >= 3)
-    # `calibrate` says first how long it takes.
-    assert (code, said[-1:]) == (130, ["interrupted"]) and not any("Traceback" in line for line in said), said
+    assert interrupted(process([str(script), *map(str, places)]), lambda: all(place.exists() for place in places), signalled) == ENDS[signalled]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="What a process has loaded is read from /proc")
 @pytest.mark.slow
-@pytest.mark.parametrize("words", [["calibrate", "table.csv"], ["drive", "--cycle", "nedc"], ["maps"]], ids=lambda words: words[0])
-def test_sigterm_in_a_program(words: list[str], fmu: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("words", [["demo"], ["calibrate", "table.csv"], ["drive", "--cycle", "nedc"], ["maps"]], ids=lambda words: words[0])
+@pytest.mark.parametrize("signalled", ENDS)
+def test_a_signal_ends_a_program(signalled: int, words: list[str], fmu: Path, tmp_path: Path) -> None:
     """Once two workers use the FMU."""
-    started = program(words, fmu, tmp_path)
+    (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
+    words = [word.replace("table.csv", str(tmp_path / "table.csv")) for word in words]
+    started = process(["-m", "pushbelt", *words, "--fmu", str(fmu), "--output", str(tmp_path / "out")])
 
     def busy() -> bool:
         maps = (Path(f"/proc/{one.pid}/maps") for one in psutil.Process(started.pid).children(recursive=True))
         return sum("PushbeltVariator" in one.read_text() for one in maps if one.exists()) >= 2
 
-    code, said = interrupted(started, busy, signal.SIGTERM)
-    assert (code, said[-1:]) == (143, ["terminated"]) and not any("Traceback" in line for line in said), said
+    code, said = interrupted(started, busy, signalled)
+    # `calibrate` says first how long it takes.
+    assert (code, said[-1:]) == ENDS[signalled] and not any("Traceback" in line for line in said), said
 
 
 def test_sigterm_acts_once_processes_have_started() -> None:

@@ -32,13 +32,6 @@ def test_radii_are_those_derived_for_the_published_variator() -> None:
     assert [2 * (math.pi - overdrive.phi), 2 * overdrive.phi] == pytest.approx(derived["wrapAnglesAtSpeedRatio2.25"], abs=6e-4)
 
 
-def test_the_push_force_changes_from_strand_to_strand() -> None:
-    curve = data.curve_of(BENCH, 0.2)
-    _, upper, p_start, p_end, lower, length = curve.borders
-    gains = curve.push_force_gains(np.array([0.0, upper, p_start, p_end, lower, length]), np.array([0.0, 10.0, 20.0, 70.0, 100.0, 0.0]))
-    assert gains == pytest.approx((50.0, 30.0, -90.0), abs=6.0)
-
-
 @pytest.mark.parametrize("belt", [(0.0, 0.4, 0.7), (1.0, 0.168, 0.703)])
 def test_impossible_belts_are_refused(belt: tuple[float, float, float]) -> None:
     with pytest.raises(ArgumentError):

@@ -17,7 +17,7 @@ import reports
 from conftest import MESH
 
 from pushbelt.fmu.data import torque_capacity
-from pushbelt.study.cluster import ClusterError, slurm
+from pushbelt.study.cluster import slurm
 from pushbelt.study.run import solve
 from pushbelt.sweep.__main__ import main
 from pushbelt.sweep.design import Design, DesignError, Varied, crossed, listed, varied
@@ -204,13 +204,6 @@ def test_job_script_has_the_options(fmu: Path, tmp_path: Path, capsys: pytest.Ca
     for part in ("--nworkers 16 --nanny", "--nthreads 1", f"--lifetime {26 * 3600 - 120}s"):
         assert part in command
     assert not (tmp_path / "studies").exists()
-
-
-@pytest.mark.parametrize(("text", "why"), [("colour=red", "colour"), ("jobs", "jobs"), ("cores=few", "few"), ("walltime=soon", "walltime=soon")])
-def test_options_of_slurm_that_are_refused(text: str, why: str) -> None:
-    pytest.importorskip("dask_jobqueue")
-    with pytest.raises(ClusterError, match=why):
-        slurm(text)
 
 
 def test_without_slurm_jobs_are_refused(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

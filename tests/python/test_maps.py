@@ -22,13 +22,14 @@ from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.fmu.working_points import SHAFTS, Line
 from pushbelt.maps import __main__, files
-from pushbelt.maps.data import LOSSES, MapError, Maps
+from pushbelt.maps.data import STATES, TABLES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, collect, monotone, stops
 from pushbelt.report.side_by_side import Call
 from pushbelt.study import run
 from pushbelt.study.tasks import Solver, variator
 
 PARAMETERS = variator("bench168", changes=MESH)
+LOSSES = [name for name in TABLES if name.startswith("loss") and name != "lossShafts"]  # Of the belt
 GRID = Grid(
     force=(6e3, 12e3),
     speed=(100.0, 300.0),
@@ -101,6 +102,7 @@ def test_maps_are_complete_and_in_order(maps: Maps) -> None:
     """Thrust ratios fall with the ratio, slips grow with the torque, losses are positive, gaps are beyond the capacity."""
     assert maps["thrustRatio"].shape == (2, 2, 3, 6)
     assert np.all(maps.valid[..., :5]) and np.all(maps["state"][..., 5] == 2.0)
+    assert [f"{number} {name}" in TABLES["state"].description for number, name in enumerate(STATES)] == [True] * 4
     assert len(maps.reasons) == 12 and all(reason.startswith("beyond the capacity") for reason in maps.reasons.values())
     assert np.all(np.diff(maps["thrustRatio"][..., 3], axis=2) < 0.0)
     assert np.all(np.diff(maps["slip"][..., :5], axis=-1) > 0.0)

@@ -16,7 +16,7 @@ from conftest import ROOT
 from fmpy.ssp import ssd
 from lxml import etree
 
-from pushbelt import StartValueError, cli, parameter_set
+from pushbelt import InputFileError, StartValueError, cli, parameter_set
 from pushbelt.fmu import start_values
 from pushbelt.fmu.unit import Archive, Instance
 
@@ -120,7 +120,6 @@ def test_published_sets_are_up_to_date(name: str, description: Any, variables: d
     assert path.read_bytes() == reference.published(path.with_suffix(".json"), description)
     assert xmlschema.XMLSchema(str(Path(ssd.__file__).parent / "schema" / "SystemStructureParameterValues.xsd")).is_valid(str(path))
     assert start_values.read_ssv(path, variables) == parameter_set(name)
-    assert start_values.checked(variables, {one.name: one.value for one in ssd.read_ssv(str(path)).parameters}) == parameter_set(name), "by another reader"
 
 
 def test_all_types_are_written_and_read(tmp_path: Path, description: Any, variables: dict[str, Any]) -> None:
@@ -143,7 +142,7 @@ def test_files_that_do_not_fit_are_refused(tmp_path: Path, variables: dict[str, 
     assert before in text
     path = tmp_path / "set.ssv"
     path.write_text(text.replace(before, after, 1), encoding="utf-8")
-    with pytest.raises(StartValueError, match=why):
+    with pytest.raises((InputFileError, StartValueError), match=why):
         start_values.read_ssv(path, variables)
 
 

@@ -23,12 +23,15 @@ DECLARED = ["numpy>=2", 'plotly>=6; extra == "reports"', *(f'pushbelt[reports]; 
 
 
 @pytest.mark.parametrize(("line", "named"), REFUSED)
-def test_what_is_refused_is_named(line: str, named: str, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    output, (program, *words) = tmp_path / "out", line.split()
-    assert cli.main([program, "--fmu", str(fmu), "--output", str(output), *BASE.get(program, "").split(), *words]) == 1
+def test_what_is_refused_is_named(
+    line: str, named: str, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    program, *words = line.split()
+    assert cli.main([program, "--fmu", str(fmu), *BASE.get(program, "").split(), *words]) == 1
     said = capsys.readouterr().err
     assert named in said and said.count("\n") <= 2 and "Traceback" not in said
-    assert not list(output.rglob("*.*"))
+    assert not list(tmp_path.rglob("*.*"))
 
 
 @pytest.mark.parametrize("kind", ["map_fmu", "fmu3"])

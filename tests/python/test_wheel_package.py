@@ -1,6 +1,7 @@
 """`pushbelt.Variator` and the command `pushbelt`, in the source tree."""
 
 import math
+import pickle
 import re
 import zipfile
 from pathlib import Path
@@ -208,24 +209,6 @@ def test_a_copy_for_fmi_3_starts_like_that_for_fmi_2(
         capsys.readouterr()
         assert cli.main([command, str(tmp_path / "no.fmu"), *words]) == 1
         assert re.fullmatch(f"pushbelt {command}: .*({why}).*\n", capsys.readouterr().err) and not (tmp_path / "no.fmu").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        (["own.fmu", "--set", "belt.colour=1"], "belt.colour"), (["own.fmu", "--set", "belt.play=-1"], "out of its range"),
-        (["own.fmu", "--set", "friction.pulley=0.5"], "the FMU rejects these values: .*jam"), (["own.zip"], "does not end in .fmu"),
-        (["own.fmu", "--variator", "none"], "no variator 'none'; there are belt155, bench168"), (["none/own.fmu"], "none/own.fmu"),
-    ],
-)  # fmt: skip
-def test_what_the_fmu_does_not_take_is_not_written(
-    words: list[str], why: str, fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert cli.main(["fmu", *words, "--fmu", str(fmu)]) == 1
-    said = capsys.readouterr()
-    assert not said.out and re.fullmatch(f"pushbelt fmu: .*{why}.*\n", said.err)
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("name", cli.PROGRAMS)

@@ -13,7 +13,7 @@ from typing import Any
 import pushbelt
 
 from ..errors import ArgumentError, require, similar
-from ..fmu import cache, copies, flat, start_values
+from ..fmu import cache, copies, start_values
 from ..fmu.data import parameter_set
 from ..fmu.files import DOCS, EXAMPLES, default_fmu, found
 from ..fmu.unit import Archive, Instance, UnitError
@@ -40,13 +40,13 @@ def write_fmu(options: argparse.Namespace) -> int:
         values, remarks = _chosen(fmu, description, options)
         start_values.write_copy(fmu, options.copy, values)
         source, facts = options.copy, [f"{len(values)} start values"]
-    changes = {"real outputs": options.real_outputs and copies.with_real_outputs, "scalars": options.scalars and copies.with_scalars}
+    changes = {
+        "real outputs": options.real_outputs and copies.with_real_outputs, "scalars": options.scalars and copies.with_scalars,
+        "flat names": options.flat and copies.with_flat_names,
+    }  # fmt: skip
     if chosen := {name: change for name, change in changes.items() if change}:
         copies.write_copy(source, options.copy, *chosen.values())
         source, facts = options.copy, [*facts, *chosen]
-    if options.flat:
-        flat.write_copy(source, options.copy)
-        source, facts = options.copy, [*facts, "flat names"]
     if options.arm:
         copies.write_arm_copy(source, options.copy)
         facts.append("linux64 for ARM")

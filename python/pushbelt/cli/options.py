@@ -8,9 +8,12 @@ import re
 import shlex
 import sys
 from collections.abc import Callable
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ..errors import MissingFileError
 from ..fmu.enumerations import RingModel
@@ -22,6 +25,7 @@ from ..tables import units
 if TYPE_CHECKING:
     from ..tables.sheet import Reading
 
+MOST_NUMBERS = 10_000  # Largest number of values of a range
 DECIMAL = {"point": "point", ".": "point", "comma": "comma", ",": "comma"}
 VARIATOR = "parameter set: bench168, belt155, chain168 or a file ….json"
 
@@ -87,15 +91,17 @@ def add_study(parser: argparse.ArgumentParser) -> None:
 
 def add_material(parser: argparse._ActionsContainer, *safety: str) -> None:
     """Strength of the ring's steel; `safety` are other names of `--stress-safety`."""
-    for name, (kind, text) in STEEL.items():
-        default = getattr(Material, name) * (1e-6 if kind is stress else 1.0)
-        names = ["--stress-safety", *safety] if name == "safety" else [f"--{name}"]
-        shown = f"{text} [default: {default:g}]"
-        parser.add_argument(*names, type=kind, default=getattr(Material, name), metavar=kind.__name__.upper(), help=shown)
+    for one in fields(Material):
+        in_mpa = one.metadata["range"][2] == " MPa"
+        value: float = getattr(Material, one.name)
+        kind, default = (stress, 1e-6 * value) if in_mpa else (float, value)
+        names = ["--stress-safety", *safety] if one.name == "safety" else [f"--{one.name}"]
+        text = f"{one.metadata['help']} [default: {default:g}]"
+        parser.add_argument(*names, type=kind, default=value, metavar=kind.__name__.upper(), help=text)
 
 
 def material(options: argparse.Namespace) -> Material:
-    return Material(**{name: getattr(options, "stress_safety" if name == "safety" else name) for name in STEEL})
+    return Material(**{one.name: getattr(options, "stress_safety" if one.name == "safety" else one.name) for one in fields(Material)})
 
 
 def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
@@ -121,7 +127,13 @@ def reading(options: argparse.Namespace) -> Reading:
 
 
 def numbers(text: str) -> tuple[float, ...]:
-    return tuple(float(number) for number in text.split(","))
+    """`A,B,…`, or `LOW:HIGH:N`: N values, evenly spaced. Raises ValueError for another text."""
+    if ":" not in text:
+        return tuple(float(number) for number in text.split(","))
+    low, high, number = text.split(":")
+    if not 2 <= int(number) <= MOST_NUMBERS:
+        raise ValueError(f"there are 2 to {MOST_NUMBERS} values in a range")
+    return tuple(np.linspace(float(low), float(high), int(number)).tolist())
 
 
 def assignment(text: str, form: str = "NAME=VALUE", empty: bool = True) -> tuple[str, str]:
@@ -147,16 +159,6 @@ def quantity(dimension: str, default: str, example: str) -> Callable[[str], floa
 def stress(text: str) -> float:
     """A stress in MPa, or with its unit; in Pa."""
     return quantity("stress", "MPa", "2000, 2000MPa or 2GPa")(text)
-
-
-STEEL: dict[str, tuple[Any, str]] = {
-    "strength": (stress, "tensile strength R_m, MPa or with its unit"),
-    "limit": (stress, "fatigue limit: amplitude without mean stress that half of the specimens bear, MPa or with its unit"),
-    "knee": (float, "cycles to failure at the fatigue limit"),
-    "slope": (float, "exponent of the S-N curve above the limit"),
-    "safety": (float, "factor by which strength and limit are reduced"),
-}
-"""Fields of `Material`."""
 
 
 def count(text: str) -> int:

@@ -18,7 +18,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_variator(parser)
     options = parser.parse_args(arguments)
     require("reports")  # The help needs no packages of the extras.
-    from . import events, report, simulate
+    from . import report, simulate
 
     begin = time.perf_counter()
     results = simulate.run_all(options.fmu, options.variator, short=options.short)
@@ -27,9 +27,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     report.write_cases(results, options.output / "cases.csv")
     path = options.output / "report.html"
     report.write_html(results, path)
-    for event in events.detect(results.manoeuvre.trace):
-        if not event.occurred:
-            print(f"  missing in the manoeuvre: {event.name}: {event.evidence}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
 

@@ -45,15 +45,11 @@ def jumps(time: Array, values: Array, size: float, window: float = 0.03) -> list
 def launch(trace: Trace) -> Event:
     name = "Launch in underdrive"
     speed, ratio, time = trace["secondary.speed"], trace["ratio.geometric"], trace.time
-    if abs(speed[0]) > 0.1 or ratio[0] <= 1.0:
-        return Event(name, False, f"it starts at {RPM * speed[0]:.1f} rpm and a ratio of {ratio[0]:.2f}")
     moving = np.flatnonzero(speed > 1.0)
-    if not moving.size:
-        return Event(name, False, f"the largest speed of the secondary pulley is {RPM * speed.max():.2f} rpm")
-    shifting = np.flatnonzero((ratio < 1.0) & (time > time[moving[0]]))
-    end = shifting[0] if shifting.size else len(time) - 1
-    driving = np.flatnonzero(ratio[:end] > 0.9 * np.median(ratio[moving[0] : max(end, moving[0] + 1)]))
-    end = driving[-1] if driving.size else end
+    if abs(speed[0]) > 0.1 or ratio[0] <= 1.0 or not moving.size:
+        return Event(name, False, f"from {RPM * speed[0]:.1f} rpm and a ratio of {ratio[0]:.2f} to at most {RPM * speed.max():.2f} rpm")
+    shifted = np.flatnonzero(ratio[moving[0] :] < 0.9 * ratio[moving[0]])
+    end = moving[0] + shifted[0] - 1 if shifted.size else len(time) - 1
     slip = 100 * np.abs(trace["slip"][moving[0] : end + 1]).max()
     ratios = f"ratios of {ratio[: end + 1].min():.2f} to {ratio[: end + 1].max():.2f}"
     evidence = f"secondary from 0 to {RPM * speed[end]:.0f} rpm at {ratios}; slip at most {slip:.1f} %"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +71,6 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
 
     of_speeds, slip = np.where(moving, trace["ratio.speed"], np.nan), np.where(moving, 100 * trace["slip"], np.nan)
     bound = energy_bound(trace)
-    kilowatts = {"scale": "symlog", "linear_to": 1.0, "y_ticks": tuple((k, f"{k:g}") for k in (0, 0.5, 1, 10, 100))}
     torques = [
         line("P, external", trace["primary.externalTorque"], MUTED, "dash"),
         line("P, carried by the belt", -trace["primary.shaftTorque"], BLUE),
@@ -90,48 +89,17 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
     rows: list[tuple[str, list[Series], dict[str, Any]]] = [
         ("Torques (N·m)", torques, {"marks": marks}),
         ("Axial forces (kN)", forces, {}),
-        ("Speeds (rpm)", _speeds(line, trace), {}),
+        ("Speeds (rpm)", [line("P", RPM * trace["primary.speed"], BLUE), line("S", RPM * trace["secondary.speed"], ORANGE)], {}),
         ("Ratio", ratios, {"y_range": (0.0, 1.25 * float(trace["ratio.geometric"].max()))}),
-        ("Slip (%), linear to 3 %, logarithmic beyond", [line("slip", slip, RED)], _slip_axis(slip[moving])),
-        ("Losses (kW), linear to 1 kW, logarithmic beyond", losses, kilowatts),
+        ("Slip (%)", [line("slip", slip, RED)], {"y_range": (-1.0, 5.0)}),
+        ("Losses (kW)", losses, {"scale": "log", "y_range": (1e-3, 1e3)}),
         ("Energy residual: supplied minus lost minus stored (J)", residual, {}),
     ]
+    shades = [Shade(start, max(end, start + 0.01), RED) for start, end in intervals(trace.time, trace["macroSlip"], gap=0.02)]
     common: dict[str, Any] = {"x_range": (float(trace.time[0]), float(trace.time[-1])), "height": 190, "marks": [Mark(mark.x) for mark in marks]}
-    panels = stack(rows, TIME, shades=_macro_slip(trace.time, trace["macroSlip"]), **common)
+    panels = stack(rows, TIME, shades=shades, **common)
     label = "Torques, axial forces, speeds, ratio, slip, losses and energy residual over time"
     return Chart(panels, label, linked=True, group=GROUP)
-
-
-def _speeds(line: Callable[[str, Array, str], Series], trace: Trace) -> list[Series]:
-    return [line("P", RPM * trace["primary.speed"], BLUE), line("S", RPM * trace["secondary.speed"], ORANGE)]
-
-
-def _slip_axis(shown: Array) -> dict[str, object]:
-    span = min(-1.0, 1.3 * float(shown.min(initial=0.0))), max(5.0, 1.5 * float(shown.max(initial=0.0)))
-    ticks = (-100, -10, -3, 0, 1, 2, 3, 10, 100)
-    texts = tuple((float(tick), str(tick).replace("-", "\N{MINUS SIGN}")) for tick in ticks)
-    return {"scale": "symlog", "linear_to": 3.0, "y_range": span, "y_ticks": texts}
-
-
-def _macro_slip(time: Array, flag: Array) -> list[Shade]:
-    return [Shade(start, max(end, start + 0.01), RED) for start, end in intervals(time, flag, gap=0.02)]
-
-
-def overload(trace: Trace, start: float, end: float) -> Chart:
-    """Torques, speeds and loss between two times, as a close-up of macro-slip."""
-    inside = (trace.time >= start) & (trace.time <= end)
-    time = trace.time[inside]
-
-    def line(name: str, values: Array, colour: str, dash: str = "") -> Series:
-        return Series(name, time, values[inside], colour, dash=dash)
-
-    carried = line("carried by the belt", -trace["primary.shaftTorque"], BLUE)
-    torques = [line("external", trace["primary.externalTorque"], MUTED, "dash"), carried]
-    losses = [line("all", 1e-3 * trace["loss.total"], RED)]
-    shades, span = _macro_slip(time, trace["macroSlip"][inside]), (float(time[0]), float(time[-1]))
-    rows = (("Torque on P (N·m)", torques), ("Speeds (rpm)", _speeds(line, trace)), ("Losses (kW)", losses))
-    panels = [Panel(title, series, TIME, shades=shades, x_range=span) for title, series in rows]
-    return Chart(panels, "Torque, speeds and losses during macro-slip", columns=3, linked=True)
 
 
 def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
@@ -169,16 +137,11 @@ def shaded_arcs(curve: TwoPulleyCurve, named: bool = False) -> list[Shade]:
 
 
 def write_html(results: DemoResults, path: Path) -> None:
-    page.write_html("demo/report.html.j2", _context(results), path)
-
-
-def _context(results: DemoResults) -> dict[str, Any]:
     chosen = next(result for result in results.cases if result.case.name == CHOSEN_CASE)
     curve = curve_at(results.parameters, chosen.steady)
     trace = results.manoeuvre.trace
     found = events.detect(trace)
     slips_through = results.manoeuvre.snapshots.get(8.6)
-    slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
     pictures = {
         "cases": load_cases(results.cases), "manoeuvre": manoeuvre(trace, found),
         "moving_belt": belt_view(
@@ -188,12 +151,10 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "fields": fields(chosen.steady.profile, curve),
         "belt": belt_view(steady(chosen.steady, results.parameters), results.parameters, "The belt on its pulleys"),
     }  # fmt: skip
-    if slipping is not None:
-        pictures["overload"] = overload(trace, slipping.start - 0.1, slipping.end + 0.2)
     if slips_through is not None:
         theta = float(trace["reference.theta"][np.argmin(np.abs(trace.time - 8.6))])
         pictures["overload_fields"] = fields(slips_through, curve_of(results.parameters, theta))
-    return {
+    context = {
         "version": results.fmu_version, "variator": results.variator,
         "parameters": results.parameters, "chain": is_chain(results.parameters),
         "rows": [{"result": result, "imbalance": events.power_imbalance(result)} for result in results.cases],
@@ -204,6 +165,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "energy_lost": float(np.sum(trace["loss.total"]) * STEP),
         "chosen": chosen, "speed": load_case_speed(), "pictures": pictures,
     }  # fmt: skip
+    page.write_html("demo/report.html.j2", context, path)
 
 
 def write_trace(results: DemoResults, path: Path) -> None:

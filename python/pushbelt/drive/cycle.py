@@ -12,20 +12,6 @@ from pushbelt.fmu.geometry import Array
 
 from .piecewise import interpolate
 
-PARTS = {"low": (0, 589), "medium": (589, 1022), "high": (1022, 1477), "extra high": (1477, 1800)}
-"""Parts of the cycle, s."""
-URBAN = (
-    (0, 0), (11, 0), (15, 15), (23, 15), (25, 10), (28, 0), (49, 0), (54, 15), (56, 15), (61, 32), (85, 32), (93, 10),
-    (96, 0), (117, 0), (122, 15), (124, 15), (133, 35), (135, 35), (143, 50), (155, 50), (163, 35), (176, 35), (178, 32),
-    (185, 10), (188, 0), (195, 0),
-)  # fmt: skip
-"""Elementary urban cycle of UN Regulation No. 83, Annex 4: break points of the speed trace, s and km/h."""
-EXTRA_URBAN = (
-    (0, 0), (20, 0), (25, 15), (27, 15), (36, 35), (38, 35), (46, 50), (48, 50), (61, 70), (111, 70), (119, 50), (188, 50),
-    (201, 70), (251, 70), (286, 100), (316, 100), (336, 120), (346, 120), (362, 80), (370, 50), (380, 0), (400, 0),
-)  # fmt: skip
-"""Extra-urban cycle of the same regulation."""
-
 
 class Cycle:
     """A speed trace. Speed is linear between its points."""
@@ -72,10 +58,9 @@ def wltc_class_3b() -> Cycle:
 
 
 def nedc() -> Cycle:
-    """The New European Driving Cycle, 1180 s: four urban cycles and the extra-urban one."""
-    places = {float(start + time): kmh for start in (0, 195, 390, 585) for time, kmh in URBAN}
-    places |= {float(780 + time): kmh for time, kmh in EXTRA_URBAN}
-    return Cycle(np.array(list(places)), np.array(list(places.values()), dtype=float) / 3.6)
+    """The New European Driving Cycle, 1180 s: four urban cycles and the extra-urban one of UN Regulation No. 83, Annex 4, by their break points."""
+    time, speed = np.loadtxt(Path(__file__).with_name("nedc.csv"), delimiter=",", skiprows=1, unpack=True)
+    return Cycle(time, speed / 3.6)
 
 
 def of_file(path: Path) -> Cycle:

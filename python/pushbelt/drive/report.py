@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,31 +25,12 @@ from .thrust_map import FORCE, ThrustMap
 PULLEYS = ("primary", "secondary")
 TIME = "time in the cycle (s)"
 LOSS_COLOURS = dict(zip(LOSSES, (BLUE, ORANGE, GREEN, GREEN, RED, VIOLET, MUTED, MUTED), strict=True))
-DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", RED, "#c98bd6", INK, INK, MUTED)
-"""Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
 GROUP = "drive"  # Group name of charts and belt that share a cursor
 LOOKS: tuple[dict[str, Any], ...] = ({"colour": ORANGE, "dash": "dash"}, {"colour": BLUE})  # Looks of the fixed safety factor and of slip control
 CSV_STEP = 0.1  # Time between the rows of the results, s
-
-
-@dataclass(frozen=True)
-class Pump:
-    """A pump of fixed displacement on the engine, which maintains the higher of the two pressures and a margin.
-
-    P = (max(p_P, p_S) + margin) V n/η. It delivers more than the circuits take; the rest flows back through a valve. The values
-    are typical; they are not from a source.
-    """
-
-    displacement: float = 12e-6  # V, m³ per revolution
-    margin: float = 2e5  # Pressure lost on the way, Pa
-    efficiency: float = 0.85  # η
-
-    def power(self, run: Run) -> Array:
-        """Power that the pump takes from the engine over time, W."""
-        pressure = np.max([run[f"{pulley}.pressure"] for pulley in PULLEYS], axis=0) + self.margin
-        revolutions = np.maximum(run["engine.speed"], 0.0) / (2.0 * math.pi)
-        return pressure * self.displacement * revolutions / self.efficiency
+DISPLACEMENT, PUMP_EFFICIENCY = 12e-6, 0.85  # Of a pump of fixed displacement on the engine, m³ per revolution
+PUMP_MARGIN = 2e5  # Pressure above the higher of the two circuits that it maintains, Pa. These values are typical; they are not from a source.
 
 
 class Merit(NamedTuple):
@@ -64,11 +44,19 @@ class Merit(NamedTuple):
     lost_per_km: float  # Energy lost in variator and pump, J/km; NaN at a standstill
 
 
-def merit(run: Run, pump: Pump = Pump()) -> Merit:
+def pump_power(run: Run) -> Array:
+    """Power that the pump takes from the engine over time, W: (max(p_P, p_S) + margin) V n/η. It delivers more than the circuits take; the
+    rest flows back through a valve."""
+    pressure = np.max([run[f"{pulley}.pressure"] for pulley in PULLEYS], axis=0) + PUMP_MARGIN
+    revolutions = np.maximum(run["engine.speed"], 0.0) / (2.0 * math.pi)
+    return pressure * DISPLACEMENT * revolutions / PUMP_EFFICIENCY
+
+
+def merit(run: Run) -> Merit:
     """Figures of merit of a run, by sums over the communication steps."""
     # Powers are those of the belt, without the drag of the shafts.
     into_the_belt = sum(np.maximum(run[f"{pulley}.power"], 0.0).sum() for pulley in PULLEYS)
-    sums = (into_the_belt + run["loss.shafts"].sum(), pump.power(run).sum(), np.abs(run["speed.car"]).sum())
+    sums = (into_the_belt + run["loss.shafts"].sum(), pump_power(run).sum(), np.abs(run["speed.car"]).sum())
     supplied, pumped, distance = (run.setup.step * float(one) for one in sums)
     lost = run.variator_loss
 
@@ -120,16 +108,6 @@ def savings(fixed: Run, slip: Run) -> Chart:
         Panel("Time (s) at a torque utilisation, above 1 kW", share, "torque utilisation", height=270),
     ]
     return Chart(panels, "Variator loss of both strategies added up over time, and torque utilisation", columns=2, common_legend=True)
-
-
-def energy_shares(fixed: Run, slip: Run) -> Chart:
-    losses = {f"variator, {part}": colour for part, colour in zip(LOSSES, DARK_LOSS_COLOURS, strict=True)}
-    colours = {"road load": BLUE, "brakes": VIOLET, "launch clutch": GREEN, **losses}
-    energies = [run.energies() for run in (slip, fixed)]
-    shown = {part: colour for part, colour in colours.items() if any(e[part] for e in energies)}
-    series = [Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows") for part, colour in shown.items()]
-    ticks = ((0.0, slip.setup.name), (1.0, fixed.setup.name))
-    return Chart([Panel("Energy (kJ)", series, y_ticks=ticks, stacked=True, height=170)], "Shares of energy")
 
 
 def low_friction(fixed: Run, slip: Run) -> Chart:
@@ -216,12 +194,12 @@ def write_html(results: Results, path: Path) -> None:
         "saved": fixed.variator_loss - slip.variator_loss,
         "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
         "losses": [part for part in LOSSES if any(run[f"loss.{part}"].any() for run in results.runs)],
-        "pump": Pump(), "map_force": FORCE, "step": STEP, "low_friction": LOW_FRICTION,
+        "pump": {"displacement": DISPLACEMENT, "margin": PUMP_MARGIN, "efficiency": PUMP_EFFICIENCY},
+        "map_force": FORCE, "step": STEP, "low_friction": LOW_FRICTION,
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
         "pictures": {
             "belt": belt, "drive": drive(slip, GROUP), "close_up": drive(close_up) if close_up else "", "savings": savings(fixed, slip),
-            "energy": energy_shares(fixed, slip), "low_friction": low_friction(safe, controlled),
-            "map": operating_points(results.thrust_map, slip),
+            "low_friction": low_friction(safe, controlled), "map": operating_points(results.thrust_map, slip),
         },
     }  # fmt: skip
     page.write_html("drive/drive.html.j2", context, path)

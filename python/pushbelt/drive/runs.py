@@ -47,7 +47,7 @@ class Plan:
 
     @property
     def title(self) -> str:
-        return CYCLES[self.trace][0] if self.trace in CYCLES else Path(self.trace).name
+        return titled(self.trace)[0]
 
     def setups(self, belt: bool = True) -> tuple[Setup, ...]:
         """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction. A variator from maps has no
@@ -88,10 +88,6 @@ class Results:
     runs: Sequence[Run]  # In the order of `Plan.setups`
 
 
-def _work(archive: Archive, car: Car, table: ThrustMap, setup: Setup) -> Run:
-    return simulate.run(archive, car, table, setup, tick)
-
-
 def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
     """Runs a plan with an FMU of the belt or of maps; the controllers' maps are stored in the folder `cache`."""
     with Archive.unpack(fmu) as archive:
@@ -100,7 +96,7 @@ def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
         setups = plan.setups(belt)
         # An FMU of maps has no shift rates to measure: its belt is that of the package's FMU.
         maps = {ring: _map(fmu if belt else default_fmu(), plan, ring, cache) for ring in {setup.ring for setup in setups}}
-        calls = [(_work, (archive, plan.car, maps[setup.ring], setup)) for setup in setups]
+        calls = [(simulate.run, (archive, plan.car, maps[setup.ring], setup, tick)) for setup in setups]
         done = side_by_side.run_all(calls, round(sum(setup.cycle.duration for setup in setups)), "driving", len(setups))
         units = {**dict.fromkeys(map("loss.{}".format, simulate.LOSSES), "W"), **archive.units, **simulate.SIGNALS}
         return Results(plan, archive.version, units, maps[plan.ring], done)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from pushbelt.errors import ArgumentError
@@ -82,12 +81,10 @@ class TransmissionControl:
 
     def __init__(self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap, scale: float = 1.0) -> None:
         self.car, self._scale = car, scale
-        strategies: dict[str, Callable[[], SafetyFactor | SlipControl]] = {
-            "safety": lambda: SafetyFactor(friction), "slip": lambda: SlipControl(friction, thrust_map, car.engine_inertia),
-        }  # fmt: skip
-        if strategy not in strategies:
-            raise ArgumentError(f"{strategy!r} is not a clamping strategy: use {' or '.join(strategies)}")
-        self.clamping = strategies[strategy]()
+        if strategy not in ("safety", "slip"):
+            raise ArgumentError(f"{strategy!r} is not a clamping strategy: use safety or slip")
+        slip_control = strategy == "slip"
+        self.clamping = SlipControl(friction, thrust_map, car.engine_inertia) if slip_control else SafetyFactor(friction)
         self.primary, self.secondary = PressureCircuit(START_PRESSURE), PressureCircuit(START_PRESSURE)
         self.shifting = RatioControl(friction, thrust_map, self.primary.limits)
         self._overruled = False

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import atexit
 import hashlib
 import os
-import shutil
 import tempfile
 import zipfile
 from functools import lru_cache
@@ -39,7 +37,7 @@ def unpacked(fmu: Path) -> Archive:
     try:
         _complete(fmu, place)
     except OSError as error:
-        place = _temporary() / name
+        place = Path(_temporary().name, name)
         warn(f"the FMU is unpacked in {place}, because the cache cannot be written: {error}. {VARIABLE} names another folder")
         _complete(fmu, place)
     if binaries_of(place) is None:
@@ -49,11 +47,9 @@ def unpacked(fmu: Path) -> Archive:
 
 
 @lru_cache(maxsize=1)
-def _temporary() -> Path:
+def _temporary() -> tempfile.TemporaryDirectory[str]:
     """A folder that only this user can write, and that is removed at the end of the process."""
-    found = Path(tempfile.mkdtemp(prefix="pushbelt-"))
-    atexit.register(shutil.rmtree, found, ignore_errors=True)
-    return found
+    return tempfile.TemporaryDirectory(prefix="pushbelt-", ignore_cleanup_errors=True)
 
 
 def _complete(fmu: Path, place: Path) -> None:

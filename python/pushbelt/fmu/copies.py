@@ -1,12 +1,13 @@
-"""Copies of an FMU for importers that are stricter than the standard: outputs that are all Real, and scalars instead of arrays of FMI 3.0.
-Only the model description changes, so the library, its values and its GUID are those of the original. The library answers for the value
-references that the copies add (`crates/fmi/src/table.rs`).
+"""Copies of an FMU for importers that are stricter than the standard: outputs that are all Real, scalars instead of arrays of FMI 3.0, and
+flat names. Only descriptions change, so the library, its values and its GUID are those of the original; parameter sets in the archive keep
+their names. The library answers for the value references that the copies add (`crates/fmi/src/table.rs`).
 
 For importers on ARM that look in `linux64` there is a copy with the library for ARM in that folder.
 """
 
 from __future__ import annotations
 
+import re
 import zipfile
 from collections.abc import Callable
 from copy import deepcopy
@@ -16,12 +17,13 @@ from lxml import etree
 
 from ..errors import ArgumentError
 from ..whole_file import copy_archive
-from .start_values import DESCRIPTION
+from .start_values import DESCRIPTION, edited
 
 SCALARS = 1_000_000  # Added to the value reference of an element of an array: the element as a scalar of FMI 3.0
 REALS = 2_000_000  # Added to the value reference of a truth value: 1 or 0 as a real number
 REAL = "Real"  # End of the name of a truth value as a real number
 REAL_TYPES = ("Real", "Float64")  # of FMI 2.0 and 3.0
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 ARM, LINUX = "binaries/aarch64-linux/", "binaries/linux64/"  # Folders of libraries in FMI 2.0
 
 
@@ -79,13 +81,28 @@ def with_scalars(description: etree._Element) -> None:
         array.getparent().remove(array)
 
 
+def flat(name: str) -> str:
+    """`primary_torque` for `primary.torque`, for tools that read a dot as a structure."""
+    return re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")
+
+
+def with_flat_names(description: etree._Element) -> None:
+    for one in [*description.find("ModelVariables"), *description.iter("Alias")]:
+        one.set("name", flat(one.get("name")))
+    description.set("variableNamingConvention", "flat")
+
+
+def _with_flat_members(terminals: etree._Element) -> None:
+    for member in terminals.iter("TerminalMemberVariable"):
+        member.set("variableName", flat(member.get("variableName")))
+
+
 def write_copy(fmu: Path, copy: Path, *changes: Callable[[etree._Element], None]) -> None:
     """Writes a copy with a changed description, completely or not at all. `copy` may be the FMU itself."""
-    with zipfile.ZipFile(fmu) as source:
-        description = etree.fromstring(source.read(DESCRIPTION))
-    for change in changes:
-        change(description)
-    copy_archive(fmu, copy, {DESCRIPTION: lambda _: etree.tostring(description, xml_declaration=True, encoding="UTF-8")}, {})
+    changed = {DESCRIPTION: edited(*changes)}
+    if with_flat_names in changes:
+        changed[TERMINALS] = edited(_with_flat_members)
+    copy_archive(fmu, copy, changed, {})
 
 
 def check_arm(fmu: Path, version: str) -> None:

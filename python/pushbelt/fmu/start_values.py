@@ -8,6 +8,7 @@ import zipfile
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ from ..arguments import refused
 from ..errors import PushbeltError, UnknownNameError, similar
 from ..whole_file import copy_archive
 from .results import dataframe
+from .untrusted import named
 
 if TYPE_CHECKING:
     import pandas
@@ -26,8 +28,6 @@ LIST = "resources/start-values.txt"  # File of start values that the library rea
 SHARED = len("{01234567-0123-0123-")
 """Characters of its GUID that a copy shares with the original. The library compares as many (`crates/fmi/src/start_values.rs`)."""
 TRUTH = {"true": True, "1": True, "1.0": True, "false": False, "0": False, "0.0": False}
-SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
-LARGEST_SSV = 10_000_000  # Largest size of an SSV file, bytes
 SETTABLE = ("parameter", "input")  # Causalities of variables with a start value that can be set
 
 
@@ -154,36 +154,20 @@ def _read(variable: Any, value: Any) -> tuple[float | None, str]:
     return int(number) if number == int(number) else None, "an integer"
 
 
-# Parameter sets as SSV files (System Structure Parameter Values 1.0), which other tools read and write
-
-
-def check_ssv(document: etree._Element) -> None:
-    """Raises StartValueError if a document violates the schema, which fmpy contains."""
+def read_ssv(path: Path, variables: Mapping[str, Any]) -> dict[str, float]:
+    """The values of an SSV file (System Structure Parameter Values 1.0), checked against the FMU's variables. Units must be those of the FMU.
+    Raises InputFileError for another file, StartValueError for its values, OSError if it cannot be read."""
     from fmpy.ssp import ssd
 
-    checker = etree.XMLSchema(etree.parse(str(Path(ssd.__file__).parent / "schema" / "SystemStructureParameterValues.xsd")))
-    if not checker.validate(document):
-        raise StartValueError(f"the file violates the schema of SSV 1.0: {checker.error_log.last_error}")
-
-
-def read_ssv(path: Path, variables: Mapping[str, Any]) -> dict[str, float]:
-    """The values of an SSV file, checked against the FMU's variables. Units must be those of the FMU. Raises
-    StartValueError if the file cannot be used, OSError if it cannot be read."""
-    content = path.read_bytes()
-    if len(content) > LARGEST_SSV:
-        raise StartValueError(f"{path} has more than {LARGEST_SSV} bytes")
+    with named(path, "valid by the schema of SSV 1.0"):
+        parameters = ssd.read_ssv(str(path)).parameters
+    for one in parameters:
+        own = variables[one.name].unit or "1" if one.name in variables else None
+        if own is not None and (one.unit or own) != own:
+            raise StartValueError(f"{path}: {one.name} has the unit {one.unit}; the unit of the FMU is {own}")
     try:
-        root = etree.fromstring(content, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False))
-        check_ssv(root)
-        values = {}
-        for element in root.iter(f"{{{SSV}}}Parameter"):
-            name, kind = element.get("name", ""), element[0]
-            own = variables[name].unit or "1" if name in variables else None
-            if own is not None and kind.get("unit", own) != own:
-                raise StartValueError(f"{name} has the unit {kind.get('unit')}; the unit of the FMU is {own}")
-            values[name] = kind.get("value", "")
-        return checked(variables, values)
-    except (etree.XMLSyntaxError, StartValueError) as error:
+        return checked(variables, {one.name: one.value for one in parameters})
+    except StartValueError as error:
         raise StartValueError(f"{path}: {error}") from error
 
 
@@ -200,7 +184,7 @@ def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
         listed = _listed(source) | {name: _written(value) for name, value in values.items()}
     lines = [f"{name} = {value}" for name, value in listed.items()]
     head = "# Start values of this copy, read by the library. Written by `pushbelt fmu`."
-    changed = {DESCRIPTION: lambda xml: _described(xml, values, lines)} if lines else {}
+    changed = {DESCRIPTION: edited(partial(_describe, values=values, lines=lines))} if lines else {}
     copy_archive(fmu, copy, changed, {LIST: ("\n".join([head, *lines]) + "\n").encode()} if lines else {})
 
 
@@ -218,9 +202,8 @@ def _written(value: float) -> str:
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
-def _described(xml: bytes, values: Mapping[str, float], lines: list[str]) -> bytes:
-    """The model description with other start values, and with the GUID of a copy that has the list `lines`."""
-    root = etree.fromstring(xml)
+def _describe(root: etree._Element, values: Mapping[str, float], lines: list[str]) -> None:
+    """Sets other start values, and the GUID of a copy that has the list `lines`."""
     variables = {variable.get("name"): variable for variable in root.find("ModelVariables")}
     for name, value in values.items():
         # In FMI 2.0 the start value belongs to an element of the type inside the variable.
@@ -229,4 +212,15 @@ def _described(xml: bytes, values: Mapping[str, float], lines: list[str]) -> byt
     digits = hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
     token = "guid" if "guid" in root.attrib else "instantiationToken"
     root.set(token, f"{root.get(token)[:SHARED]}{digits[:4]}-{digits[4:16]}}}")
-    return etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+
+
+def edited(*changes: Callable[[etree._Element], object]) -> Callable[[bytes], bytes]:
+    """A function that changes an XML file."""
+
+    def written(xml: bytes) -> bytes:
+        root = etree.fromstring(xml)
+        for change in changes:
+            change(root)
+        return etree.tostring(root, xml_declaration=True, encoding="UTF-8")
+
+    return written

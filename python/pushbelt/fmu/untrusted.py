@@ -19,7 +19,6 @@ from ..errors import PushbeltError
 LARGEST_FILE = 500_000_000  # Largest unpacked size of an archive, bytes
 MOST_FILES = 10_000
 IDENTIFIER = re.compile("[A-Za-z_][A-Za-z0-9_]*")  # A name in C
-LARGEST_JSON = 50_000_000  # Largest size of a JSON file, bytes. A parameter set has 7 kB.
 
 
 class InputFileError(PushbeltError, ValueError):
@@ -75,28 +74,24 @@ def described(path: Path) -> Any:
 
 
 @contextmanager
-def named(path: Path) -> Iterator[None]:
-    """Adds the file name to every error. All exceptions are caught, because fmpy, lxml and zipfile have no common base class."""
+def named(path: Path, what: str = "a usable FMU") -> Iterator[None]:
+    """Adds the file name, and what it should be, to every error. All exceptions are caught, because fmpy, lxml and zipfile have no common base class."""
     try:
         yield
     except OSError:
         raise
     except Exception as error:
-        raise InputFileError(f"{path} is not a usable FMU: {_first_line(error)}") from error
+        raise InputFileError(f"{path} is not {what}: {_in_a_line(error)}") from error
 
 
 def read_json(path: Path) -> Any:
-    """The content of a JSON file. Raises InputFileError if it is not JSON or is larger than LARGEST_JSON, OSError if it
-    cannot be read."""
-    size = path.stat().st_size
-    if size > LARGEST_JSON:
-        raise InputFileError(f"{path} has {size / 1e6:.0f} MB, above the limit of {LARGEST_JSON / 1e6:.0f} MB")
+    """The content of a JSON file. Raises InputFileError if it is not JSON, OSError if it cannot be read."""
     try:
         return json.loads(path.read_bytes(), parse_constant=_no_constant)
     except RecursionError:
         raise InputFileError(f"{path} is not readable JSON: it is nested too deeply") from None
     except ValueError as error:
-        raise InputFileError(f"{path} is not readable JSON: {_first_line(error)}") from error
+        raise InputFileError(f"{path} is not readable JSON: {_in_a_line(error)}") from error
 
 
 def _no_constant(name: str) -> float:
@@ -126,6 +121,5 @@ def read_parameters(path: Path) -> tuple[dict[str, Any], dict[str, float], str |
     return values, deviations, base
 
 
-def _first_line(error: Exception) -> str:
-    lines = str(error).strip().splitlines()
-    return lines[0][:300] if lines else type(error).__name__
+def _in_a_line(error: Exception) -> str:
+    return " ".join(str(error).split())[:300] or type(error).__name__

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pushbelt import console
-from pushbelt.cli.options import add_variator, program
+from pushbelt.cli.options import add_variator, numbers, program
 from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.data import SAFETY_RANGE
 from pushbelt.linear.grid import LinearGrid
@@ -32,11 +32,9 @@ AXES = {
 }  # fmt: skip
 """Names of the FMU's variables, and of the corresponding axes of a grid."""
 FORCE, PRESSURE = "secondary.clampingForce", "secondary.pressure"  # What gives the secondary force
-REACTIONS = ("primary.clampingForce", "primary.pressure", "secondary.torque")
-"""Loads that hold a point. A specified value is compared with the required one."""
+REACTIONS = {"primary.clampingForce": 5e3, "primary.pressure": 5e5, "secondary.torque": 50.0}
+"""Loads that hold a point. A specified value is compared with the required one, relative to at least this magnitude, N, Pa and N·m."""
 SAME = 0.01  # Largest relative difference between a specified and a required load
-SMALL = {"primary.clampingForce": 5e3, "primary.pressure": 5e5, "secondary.torque": 50.0}
-"""Smallest magnitude of a load in this comparison, N, Pa and N·m."""
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip")  # Default outputs of the figures
 FILES = ("models.npz", "models.mat", "models.json")
 
@@ -87,31 +85,24 @@ def asked(settings: Sequence[str], safety: float | None = None) -> Asked:
 
 
 def _values(name: str, text: str) -> list[Any]:
-    """Numbers of a point, and texts of a parameter."""
-    read, parts = (float if name in (*AXES, *REACTIONS) else lambda word: str(word).strip()), text.split(":")
+    """Numbers of a point, and numbers or texts of a parameter."""
+    if name not in (*AXES, *REACTIONS) and ":" not in text:
+        return [word.strip() for word in text.split(",")]
     try:
-        if len(parts) != 3:
-            return [read(word) for word in text.split(",")]
-        if 2 <= int(parts[2]) <= 1000:
-            return [read(value) for value in np.linspace(float(parts[0]), float(parts[1]), int(parts[2])).tolist()]
-    except ValueError:
-        pass
-    raise ArgumentError(f"{name} = {text!r} is not a number, A,B,C or FIRST:LAST:COUNT with a count of 2 to 1000")
+        return list(numbers(text))
+    except ValueError as error:
+        raise ArgumentError(f"{name} = {text!r} is not a number, A,B,C or FIRST:LAST:COUNT with a count of at least 2") from error
 
 
-def without_other_loads(grid: LinearGrid, loads: Mapping[str, float]) -> LinearGrid:
-    """The grid without the points that require other loads than the specified ones."""
-    models, reasons = grid.models.copy(), grid.reasons.copy()
+def leave_out_other_loads(grid: LinearGrid, loads: Mapping[str, float]) -> None:
+    """Replaces the models of points that require other loads than the specified ones by the reason."""
     for place, model in np.ndenumerate(grid.models):
-        held = {} if model is None else {name: (model.held.get(name, given), given) for name, given in loads.items()}
-        if why := [
-            f"this point requires {name} = {held:.6g} {model.units[name]}, but {given:g} {model.units[name]} is specified"
-            for name, (held, given) in held.items()
-            if not abs(held - given) <= SAME * max(abs(held), abs(given), SMALL[name])
-        ]:
-            at = ", ".join(f"{name} {value:g}" for name, value in grid.point(place).items())
-            models[place], reasons[place] = None, f"no linear model at {at}: {'; '.join(why)}"
-    return LinearGrid(grid.axes, models, reasons)
+        for name, given in loads.items() if model is not None else ():
+            held = model.held.get(name, given)
+            if not abs(held - given) <= SAME * max(abs(held), abs(given), REACTIONS[name]):
+                at = ", ".join(f"{axis} {value:g}" for axis, value in grid.point(place).items())
+                why = f"this point requires {name} = {held:.6g} {model.units[name]}, but {given:g} {model.units[name]} is specified"
+                grid.models[place], grid.reasons[place] = None, f"no linear model at {at}: {why}"
 
 
 def parser() -> argparse.ArgumentParser:
@@ -146,7 +137,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with progress_bar(size, "working points") as bar:
             each: dict[str, Any] = {"changes": wanted.changes, "after_each": lambda: bar.update(1)}
             grid = variator.linear_grid(**axes, **each, **given)
-    return write(without_other_loads(grid, wanted.loads), options)
+    leave_out_other_loads(grid, wanted.loads)
+    return write(grid, options)
 
 
 def write(grid: LinearGrid, options: argparse.Namespace) -> int:

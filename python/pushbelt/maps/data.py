@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 VERSION = 1  # Version of the files' content
 STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
-"""Meaning of the numbers of the table `state`. The first two are steady states."""
+"""Meaning of the numbers of the table `state`, as in `tables.json`. The first two are steady states."""
 ROUTE = ("force", "speed", "ratio")  # Axes of a line
 
 
@@ -52,46 +52,11 @@ class Quantity(NamedTuple):
     description: str
 
 
-AXES: Mapping[str, Axis] = {
-    "force": Axis("N", "Secondary clamping force"),
-    "speed": Axis("rad/s", "Primary speed without slip"),
-    "ratio": Axis("1", "Geometric ratio secondary / primary pitch radius"),
-    "utilisation": Axis("1", "Belt torque on the primary pulley / (2 friction.pulley r_P F_S / cos(wedge angle)); positive where it drives"),
-    "direction": Axis("1", "-1: the secondary pulley drives, 1: the primary pulley drives"),
-    "slipShare": Axis("1", "Slip / slip at capacity"),
-    "shiftUtilisation": Axis("1", "Torque utilisation at which shifts are measured"),
-    "excess": Axis("1", "ln(F_P/(kappa F_S)), kappa the thrust ratio that holds the ratio"),
-}
-
+_ABOUT = json.loads(Path(__file__).with_name("tables.json").read_text(encoding="utf-8"))
+AXES: Mapping[str, Axis] = {name: Axis(**about) for name, about in _ABOUT["axes"].items()}
+TABLES: Mapping[str, Quantity] = {name: Quantity(**{**about, "axes": tuple(about["axes"])}) for name, about in _ABOUT["tables"].items()}
 POINT = (*ROUTE, "utilisation")
-SHIFT = (*ROUTE, "shiftUtilisation")
-TABLES: Mapping[str, Quantity] = {
-    "thrustRatio": Quantity(POINT, "1", "Thrust ratio F_P/F_S that holds the ratio, with the centrifugal force of the belt"),
-    "slip": Quantity(POINT, "1", "1 - (secondary speed / primary speed) * ratio"),
-    "lossSheaves": Quantity(POINT, "W", "Friction loss between elements and sheaves"),
-    "lossRing": Quantity(POINT, "W", "Friction loss between ring and elements"),
-    "lossLayers": Quantity(POINT, "W", "Friction loss between the layers of the ring sets"),
-    "lossJoints": Quantity(POINT, "W", "Friction loss in the joints of a pull chain"),
-    "lossSpin": Quantity(POINT, "W", "Loss by elements that turn at entry and exit of an arc, an upper bound"),
-    "lossOther": Quantity(POINT, "W", "Loss in dampers"),
-    "lossShafts": Quantity(POINT, "W", "Drag loss of both shafts"),
-    "beltTorqueLoss": Quantity(POINT, "N.m", "Belt torque on the primary pulley - belt torque on the secondary pulley / ratio"),
-    "torqueLoss": Quantity(POINT, "N.m", "Torque at the primary shaft - torque at the secondary shaft / ratio, with the drag of both shafts"),
-    "primaryTorque": Quantity(POINT, "N.m", "Belt torque on the primary pulley, positive where it drives"),
-    "efficiency": Quantity(POINT, "1", "Driven / driving shaft power, 0 without power flow"),
-    "bearingLoad": Quantity(POINT, "N", "Resultant of the belt's contact forces on a pulley"),
-    "beltSpeed": Quantity(POINT, "m/s", "Mean pitch-line speed of the elements"),
-    "ringStressMax": Quantity(POINT, "Pa", "Largest stress in the layers of the ring sets"),
-    "state": Quantity(POINT, "1", "State of the point: " + ", ".join(f"{k} {name}" for k, name in enumerate(STATES))),
-    "valid": Quantity(POINT, "1", "1 for a steady state, 0 for a gap, which has the nearest value along the utilisation"),
-    "capacity": Quantity((*ROUTE, "direction"), "1", "Torque utilisation at capacity"),
-    "capacitySlip": Quantity((*ROUTE, "direction"), "1", "Slip at capacity"),
-    "traction": Quantity((*ROUTE, "slipShare"), "1", "Torque utilisation at a slip"),
-    "shiftRate": Quantity((*SHIFT, "excess"), "1/rad", "-d(ln ratio)/dt / primary speed"),
-    "shiftGain": Quantity(SHIFT, "1/rad", "Slope of the shift rate over the excess at 0"),
-}
 TEXTS = ("source", "parameters", "reasons")  # Parts of a data set that are no numbers
-LOSSES = ("lossSheaves", "lossRing", "lossLayers", "lossJoints", "lossSpin", "lossOther")  # Losses of the belt
 
 
 @dataclass(frozen=True)

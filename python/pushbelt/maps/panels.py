@@ -73,19 +73,12 @@ def middle_of(levels: Array) -> int | None:
     return int(zero[0]) if zero.size and 0 < zero[0] < len(levels) - 1 else None
 
 
-@dataclass(frozen=True)
-class Border:
-    """Least and greatest utilisation that is carried, shape (2, ratios), NaN where unknown. The colours end there."""
-
-    utilisation: Array
-    values: Array | None = None  # Values of the map at the border, where known
-
-
 def panel(
     title: str, quantity: Quantity, axes: tuple[Array, Array], values: Array, levels: Array, kinds: Mapping[str, np.ndarray],
-    border: Border,
+    border: Array, at_border: Array | None = None,
 ) -> Panel:  # fmt: skip
-    """A map of a quantity; `values` and the masks of `kinds` over ratio × utilisation."""
+    """A map of a quantity; `values` and the masks of `kinds` over ratio × utilisation. The colours end at the border: the least and the
+    greatest utilisation that is carried, shape (2, ratios), NaN where unknown; `at_border` are the values there, where known."""
     unit = quantity.unit
     ratio, utilisation = (np.asarray(axis, dtype=float) for axis in axes)
     places = np.array(np.meshgrid(ratio, utilisation, indexing="ij"))
@@ -98,7 +91,7 @@ def panel(
     ends = around([rows], 0.04)
     if min(values.shape) > 1 and np.count_nonzero(np.isfinite(values)) > 3:
         series = [*_beyond(ratio, ends, border), *series]
-        values = _up_to(border, rows, utilisation, values)
+        values = _up_to(border, at_border, rows, utilisation, values)
         # All intervals between levels have the same width on the colour scale.
         steps = np.where(np.isfinite(values), np.interp(values, levels, np.arange(len(levels))), np.nan)
         middle, every = middle_of(levels), -(-len(levels) // MOST_TICKS)
@@ -110,37 +103,37 @@ def panel(
     return Panel(title, series, *labels, fields=fields, x_scale="log", x_ticks=TICKS, y_range=ends, height=250)
 
 
-def _rows(utilisation: Array, border: Border) -> Array:
+def _rows(utilisation: Array, border: Array) -> Array:
     """Closer values over the utilisation with those of the border, up to it if that is less than a step away."""
-    low, high = (np.append(side[np.isfinite(side)], end) for side, end in zip(border.utilisation, utilisation[[0, -1]], strict=True))
+    low, high = (np.append(side[np.isfinite(side)], end) for side, end in zip(border, utilisation[[0, -1]], strict=True))
     step = np.diff(utilisation)[[0, -1]] if len(utilisation) > 1 else np.zeros(2)
     first, last = max(low.min(), utilisation[0] - step[0]), min(high.max(), utilisation[-1] + step[1])
     rows = np.concatenate([utilisation, np.linspace(min(first, utilisation[0]), max(last, utilisation[-1]), ROWS), low, high])
     return np.unique(rows[(rows >= first) & (rows <= last)])
 
 
-def _beyond(ratio: Array, ends: tuple[float, float], border: Border) -> list[Series]:
+def _beyond(ratio: Array, ends: tuple[float, float], border: Array) -> list[Series]:
     """The capacity as a line, and what is beyond it as areas without a name, so that the legend does not hide them."""
-    known = [np.where(np.isfinite(side), np.clip(side, *ends), end) for side, end in zip(border.utilisation, ends, strict=True)]
+    known = [np.where(np.isfinite(side), np.clip(side, *ends), end) for side, end in zip(border, ends, strict=True)]
     wide = ratio * np.interp(np.arange(len(ratio)), [0, len(ratio) - 1], [0.995, 1.005])
     return [
         *(Series("", wide, side, COVER, "band", upper=np.full_like(side, end), opacity=1.0)
           for side, end in zip(known, ends, strict=True)),
-        *(Series("capacity", ratio, side, INK, width=2.0) for side in border.utilisation),
+        *(Series("capacity", ratio, side, INK, width=2.0) for side in border),
     ]  # fmt: skip
 
 
-def _up_to(border: Border, rows: Array, utilisation: Array, values: Array) -> Array:
+def _up_to(border: Array, at_border: Array | None, rows: Array, utilisation: Array, values: Array) -> Array:
     """Values at closer rows, which continue up to the border and under the areas beyond it. Gaps inside the border remain."""
     nearest = np.abs(rows[:, None] - utilisation).argmin(axis=1)
     found = np.full((len(values), len(rows)), np.nan)
     for k, line in enumerate(values):
-        low, high = border.utilisation[:, k]
+        low, high = border[:, k]
         carried = ~((utilisation < low) | (utilisation > high))
         x, y = utilisation[carried & np.isfinite(line)], line[carried & np.isfinite(line)]
-        if border.values is not None:
-            at = np.isfinite(border.values[:, k]) & np.isfinite(border.utilisation[:, k])
-            x, y = np.append(x, border.utilisation[at, k]), np.append(y, border.values[at, k])
+        if at_border is not None:
+            at = np.isfinite(at_border[:, k]) & np.isfinite(border[:, k])
+            x, y = np.append(x, border[at, k]), np.append(y, at_border[at, k])
         if len(x) > 1:
             gap = carried & ~np.isfinite(line)
             found[k] = np.where(gap[nearest], np.nan, np.interp(rows, np.sort(x), y[np.argsort(x)]))

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pushbelt.maps.data import AXES, TABLES, Maps
-from pushbelt.maps.panels import QUANTITIES, TICKS, Border, Quantity, levels_of, panel, shades
+from pushbelt.maps.panels import QUANTITIES, TICKS, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
 from pushbelt.report.page import write_html
 from pushbelt.report.style import BLUE, ORANGE, RPM
@@ -37,8 +37,8 @@ def contours(named: Sequence[tuple[str, Maps]], shown: Quantity) -> Chart:
             title = f"{1e-3 * maps.axes['force'][place[0]]:g} kN, {RPM * maps.axes['speed'][place[1]]:.0f} rpm"
             kinds = {kind: maps["state"][place] == number for number, kind in KINDS.items()}
             known = 100.0 * maps["capacitySlip"][place].T if shown.column == "slip" else None
-            axes, border = (maps.axes["ratio"], maps.axes["utilisation"]), Border(maps["capacity"][place].T, known)
-            panels.append(panel(f"{name}: {title}" if name else title, shown, axes, table[place], levels, kinds, border))
+            axes, border = (maps.axes["ratio"], maps.axes["utilisation"]), maps["capacity"][place].T
+            panels.append(panel(f"{name}: {title}" if name else title, shown, axes, table[place], levels, kinds, border, known))
     columns = len(first.axes["speed"]) if len(named) == 1 else 2
     return Chart(panels, f"Maps of {shown.name}", columns=columns, common_legend=True, least_width=240)
 

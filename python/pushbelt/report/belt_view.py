@@ -8,13 +8,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from markupsafe import Markup, escape
+from markupsafe import Markup
 from scipy.integrate import cumulative_trapezoid
 
 from ..fmu.data import curve_of, is_chain
 from ..fmu.geometry import Array, TwoPulleyCurve
 from ..fmu.results import BeltState, Profile, Trace
 from .charts import encoded
+from .page import fragment
 from .style import COLOUR_SCALE
 
 ELEMENTS_TOGETHER = 3  # Number of elements of the belt per drawn element. The pins of a chain are drawn one by one.
@@ -92,12 +93,9 @@ def integrated(time: Array, values: Array, moments: Array) -> Array:
     return np.interp(moments, time, cumulative_trapezoid(values, time, initial=0.0))
 
 
-def magnification_for(offset: Array, least_radius: float) -> float:
-    """A round magnification at which the largest offset is about a third of the smaller radius."""
-    largest = float(np.abs(offset).max())
-    if largest == 0.0:
-        return 1.0
-    return float(max(step for step in ROUND if step <= max(0.3 * least_radius / largest, 1.0)))
+def magnification(size: float, shown: float) -> int:
+    """A round magnification at which something of a size has about a size in the figure."""
+    return max(step for step in ROUND if step <= max(shown / max(size, 1e-9), 1.0))
 
 
 def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None) -> Markup:
@@ -107,19 +105,19 @@ def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group:
     together, force = (1, "tension") if chain else (ELEMENTS_TOGETHER, "push force")
     label = f"{label}, coloured by {force}"
     still = len(shown.time) == 2 and np.array_equal(shown.force[0], shown.force[1])
-    magnification = magnification_for(np.percentile(np.abs(shown.offset), 99.0, axis=1), float(shown.radii.min()))
-    wide = max(float(np.percentile(shown.gap, 99.0)), 1e-9)
-    gap_scale = max(step for step in ROUND if step <= max(0.75 * thickness / wide, 1.0))
+    # The largest distance from the curve is about a third of the smaller radius.
+    scale = magnification(float(np.percentile(np.abs(shown.offset), 99.0, axis=1).max()), 0.3 * float(shown.radii.min()))
+    gap_scale = magnification(float(np.percentile(shown.gap, 99.0)), 0.75 * thickness)
     rates = np.abs(np.diff(shown.angles, axis=0)) / np.diff(shown.time)[:, None]
     pace = max(1.0, float(np.ptp(shown.time)) / LONGEST)
     slow = float(f"{max(float(np.percentile(rates, 95.0)) * pace / (2.0 * np.pi * TURNS_A_SECOND), 1.0):.1g}")
-    reach = float(shown.radii.max() + magnification * np.percentile(np.abs(shown.offset), 99.9))
+    reach = float(shown.radii.max() + scale * np.percentile(np.abs(shown.offset), 99.9))
     most = max(float(np.percentile(shown.force, 99.8)), 1.0)
     data = {
         "group": group, "steady": bool(still), "pace": pace, "slow": slow,
         "distance": 1e3 * distance, "length": 1e3 * length, "pitchOffset": 1e3 * pitch, "reach": 1e3 * reach + 4.0,
         "chain": chain, "force": force,
-        "count": round(length / (together * thickness)), "magnification": magnification,
+        "count": round(length / (together * thickness)), "magnification": scale,
         "gapScale": gap_scale / thickness, "most": most,
         "colours": [[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in COLOUR_SCALE],
         "time": encoded(shown.time), "radii": encoded(1e3 * shown.radii.ravel()), "angles": encoded(shown.angles.ravel()),
@@ -127,20 +125,9 @@ def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group:
     }  # fmt: skip
     begin = shown.time[0] if start is None else start
     value = round(STEPS * float((begin - shown.time[0]) / (shown.time[-1] - shown.time[0])))
-    playing = f" The animation is {pace:.0f} times as fast as the run." if pace > 1.5 else ""
-    elements = f"Gaps between elements are magnified {gap_scale} times, one drawn element represents {together} elements."
-    drawn = "The pins of the chain are drawn." if chain else elements
-    bar = f"linear-gradient(90deg, {', '.join(COLOUR_SCALE)})"
-    return Markup(
-        f'<div class="belt" role="group" aria-label="{escape(label)}"><svg role="img" aria-label="{escape(label)}"></svg>'
-        '<div class="controls"><button type="button">Play</button>'
-        f'<input type="range" min="0" max="{STEPS}" value="{value}" aria-label="{"Turning" if still else "Time"}">'
-        "<output></output></div>"
-        f'<div class="scale">0<i style="background: {bar}"></i>{1e-3 * most:.2f} kN {force}</div>'
-        f'<p class="source">The distance from the reference curve is magnified {magnification:.0f} times. {drawn}'
-        f" One turn in the animation represents {slow:.0f} turns.{playing}</p>"
-        f'<script type="application/json">{json.dumps(data, separators=(",", ":"))}</script></div>'
-    )
+    text = json.dumps(data, separators=(",", ":"))
+    shown_there = {"steps": STEPS, "value": value, "colours": COLOUR_SCALE, "gap_scale": gap_scale, "together": together}
+    return fragment("belt.html.j2", label=label, data=data, text=text, **shown_there)
 
 
 def _whole(values: Array) -> dict[str, object]:

@@ -19,10 +19,10 @@ from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
 from ..fmu.geometry import Array
+from .page import fragment
 from .style import INK, MUTED, colour_stops
 
 BUCKETS = 500  # Number of parts of a long line. In each part only the first, least, greatest and last value remain.
-SYMLOG_SHARE = 1.5  # Height of the linear part of a symlog axis, in decades
 MARGIN = 0.06  # Empty part of the axes on each side of a figure whose axes have the same scale
 
 Tick = tuple[float, str]
@@ -36,7 +36,7 @@ class Series:
     x: ArrayLike
     y: ArrayLike
     colour: str = INK
-    kind: str = "line"  # `line`, `points`, `bars`, `rows` (horizontal bars) or `band` (between `y` and `upper`)
+    kind: str = "line"  # `line`, `points`, `bars` or `band` (between `y` and `upper`)
     dash: str = ""
     marker: str = ""  # Marker by its name in plotly: `circle`, `circle-open`, `x-thin-open` and so on; empty for a line
     size: float = 6.0
@@ -103,9 +103,8 @@ class Panel:
     x_label: str = ""
     y_label: str = ""
     fields: Sequence[Field] = ()
-    scale: str = "linear"  # Scale of y: `linear`, `log`, or `symlog`, which is linear up to `linear_to`
+    scale: str = "linear"  # Scale of y: `linear` or `log`
     x_scale: str = "linear"
-    linear_to: float = 1.0
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
     x_ticks: tuple[Tick, ...] = ()
@@ -142,34 +141,16 @@ def stack(rows: Sequence[tuple[str, Sequence[Series], dict[str, Any]]], x_label:
 def html(chart: Chart) -> Markup:
     of_panels = [panel_data(panel, chart.linked) for panel in chart.panels]
     specification = {"linked": chart.linked, "group": chart.group, "commonLegend": chart.common_legend, "panels": of_panels}
-    panels = "".join(
-        f'<div class="panel"><h4>{escape(panel.title)}</h4><div class="keys"></div>'
-        f'<div class="plot" style="height: {panel.height}px" tabindex="0" role="group"'
-        f' aria-label="{escape(panel.title or chart.label)}"></div>'
-        f'<p class="source">{escape(panel.note)}</p></div>'
-        for panel in chart.panels
-    )
     text = json.dumps(specification, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/")
-    return Markup(
-        f'<div class="chart" role="group" aria-label="{escape(chart.label)}">'
-        '<div class="tools"><span class="keys common"></span><output class="cursor"></output>'
-        '<button type="button" data-do="in" title="Zoom in (+)">+</button>'
-        '<button type="button" data-do="out" title="Zoom out (−)">−</button>'
-        '<button type="button" data-do="all" title="Show all (0)">all</button></div>'
-        f'<div class="panels" style="--columns: {chart.columns}; --least: {chart.least_width}px">{panels}</div>'
-        f'<script type="application/json">{text}</script></div>'
-    )
+    return fragment("chart.html.j2", chart=chart, data=text)
 
 
 def panel_data(panel: Panel, linked: bool = False) -> dict[str, Any]:
-    """Data and layout of a panel for plotly, and data for the page's script."""
+    """Data and layout of a panel for plotly."""
     traces = [_field(panel, one) for one in panel.fields]
     for one in panel.series:
-        traces += _traces(panel, one, linked)
-    data: dict[str, Any] = {"data": traces, "layout": _layout(panel, linked)}
-    if panel.scale == "symlog":
-        data["symlog"] = {"linearTo": panel.linear_to, "share": SYMLOG_SHARE}
-    return data
+        traces += _traces(one, linked)
+    return {"data": traces, "layout": _layout(panel, linked)}
 
 
 # Numbers
@@ -201,17 +182,10 @@ def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
     return x[kept], y[kept]
 
 
-def symlog(values: ArrayLike, linear_to: float) -> Array:
-    """Positions on an axis that is linear up to `linear_to` and logarithmic beyond."""
-    y = np.asarray(values, dtype=float)
-    beyond = np.sign(y) * (SYMLOG_SHARE + np.log10(np.maximum(np.abs(y), linear_to) / linear_to))
-    return np.where(np.abs(y) <= linear_to, SYMLOG_SHARE * y / linear_to, beyond)
-
-
 # Traces
 
 
-def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
+def _traces(one: Series, linked: bool) -> list[dict[str, Any]]:
     x, y = np.asarray(one.x, dtype=float), np.asarray(one.y, dtype=float)
     common = {"name": one.name, "opacity": one.opacity, "hoverinfo": "none"}
     if one.kind == "band":
@@ -220,10 +194,8 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
         edge = {"type": "scatter", "mode": "lines", "x": encoded(x), "opacity": 1.0, "line": {"width": 0.0}}
         filled = {"y": encoded(upper), "fill": "tonexty", "fillcolor": f"rgba({red},{green},{blue},{one.opacity})"}
         return [common | edge | {"y": encoded(y)}, common | edge | filled]
-    if one.kind in ("bars", "rows"):
+    if one.kind == "bars":
         return [common | _bars(one, x, y)]
-    if panel.scale == "symlog":
-        y = symlog(y, panel.linear_to)
     if one.kind == "line" and not one.marker:
         x, y = thinned(x, y)
     mode = "markers" if one.kind == "points" else "lines+markers" if one.marker else "lines"
@@ -248,21 +220,15 @@ def _hover(one: Series) -> dict[str, Any]:
 
 
 def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
-    lying = one.kind == "rows"
     trace: dict[str, Any] = {"type": "bar", "x": encoded(x), "y": encoded(y), "marker": {"color": one.colour}}
     if one.bar_width is not None:
         trace["width"] = one.bar_width
-    if lying:
-        trace["orientation"] = "h"
     if one.hatched is not None and any(one.hatched):
         trace["marker"]["pattern"] = {"shape": ["/" if hatched else "" for hatched in one.hatched], "size": 6}
     if one.errors is not None:
         below, above = one.errors
         trace["error_y"] = {"type": "data", "symmetric": False, "array": encoded(above), "arrayminus": encoded(below)}
-    trace |= _hover(one)
-    if lying:
-        trace["hovertemplate"] = "<b>%{x:.4~g}</b><extra>" + escape(one.name) + "</extra>"
-    return trace
+    return trace | _hover(one)
 
 
 def _field(panel: Panel, one: Field) -> dict[str, Any]:
@@ -315,13 +281,9 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
     if panel.equal and panel.x_range is None and panel.scale == panel.x_scale == "linear":
         x, y = ([getattr(one, axis) for one in panel.series] for axis in "xy")
         panel = replace(panel, x_range=around(x), y_range=around(y))
-    y_ticks, y_range = panel.y_ticks, panel.y_range
-    if panel.scale == "symlog":
-        y_ticks = tuple((float(symlog(place, panel.linear_to)), text) for place, text in y_ticks)
-        y_range = None if y_range is None else (float(symlog(y_range[0], panel.linear_to)), float(symlog(y_range[1], panel.linear_to)))
     layout: dict[str, Any] = {
         "xaxis": _axis(panel.x_label, panel.x_ticks, panel.x_range, panel.x_scale),
-        "yaxis": _axis(panel.y_label, y_ticks, y_range, panel.scale),
+        "yaxis": _axis(panel.y_label, panel.y_ticks, panel.y_range, panel.scale),
         "hovermode": "x" if linked else "closest", "hoverdistance": -1 if linked else 24,
         "barmode": "relative" if panel.stacked else "group",
         "margin": {}, "shapes": _shapes(panel), "annotations": _annotations(panel),

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
+from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from .. import provenance
@@ -56,6 +57,11 @@ def _environment(folder: Path | None = None, **filters: Any) -> jinja2.Environme
     return environment
 
 
+def fragment(template: str, **values: Any) -> Markup:
+    """A part of a page from a template of this folder."""
+    return Markup(_environment().get_template(template).render(values))
+
+
 def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Path | None = None, **filters: Any) -> None:
     """Writes a page from a template. `template` is its path inside this package, or inside `folder`, and begins with the program's name."""
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
@@ -63,8 +69,8 @@ def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Pa
     text = _environment(folder, **filters).get_template(template).render(context, machine=machine, origin=origin)
     if 'class="chart"' in text or 'class="belt"' in text:
         colours = {"ink": style.INK, "muted": style.MUTED, "grid": style.GRID}
-        scripts = _environment().get_template("scripts.html.j2").render(colours, plotly=packed_plotly(), notices=plotly_notices())
-        text = text.replace("</main>", scripts + "</main>")
+        scripts = fragment("scripts.html.j2", **colours, plotly=packed_plotly(), notices=plotly_notices())
+        text = text.replace("</main>", f"{scripts}</main>")
     path.write_text(text, encoding="utf-8")
 
 

@@ -1,10 +1,9 @@
-"""Colours of all figures, and the style of figures that are images."""
+"""Colours of all figures, and the units of their values."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -39,13 +38,3 @@ def mixed(colours: Sequence[str], at: Sequence[float], places: Sequence[float] |
     between = np.linspace(0.0, 1.0, len(colours)) if places is None else places
     channels = [np.interp(at, between, [int(colour[k : k + 2], 16) for colour in colours]) for k in (1, 3, 5)]
     return ["#" + "".join(f"{round(value):02x}" for value in colour) for colour in zip(*channels, strict=True)]
-
-
-STYLE: dict[Any, Any] = {
-    "font.family": "DejaVu Sans", "font.size": 9, "lines.linewidth": 1.4, "legend.frameon": False, "legend.fontsize": 8.5,
-    "axes.titlesize": 9.5, "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.titlecolor": INK, "axes.labelcolor": INK,
-    "axes.edgecolor": MUTED, "axes.linewidth": 0.8, "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
-    "axes.grid": True, "grid.color": GRID, "grid.linewidth": 0.7,
-    "xtick.color": MUTED, "ytick.color": MUTED, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
-}  # fmt: skip
-"""Settings of matplotlib."""

@@ -76,7 +76,6 @@ class Solver:
         self._archive, self._parameters, self._measure = archive, parameters, measure
         self._idle = [SteadyStates(archive, parameters)]
         assert self._idle[0].unit
-        self.instances = 1  # Number of instances created so far, without those that replaced another one
 
     def solve(self, chunk: Sequence[tuple[int, Any]]) -> list[tuple[int, dict[str, Any]]]:
         """Numbers and rows of numbered tasks. The row of a failed task has the reason."""
@@ -90,7 +89,6 @@ class Solver:
             states = self._idle.pop()
         except IndexError:
             states = SteadyStates(self._archive, self._parameters)
-            self.instances += 1
         try:
             found = self._measure(states, task)
         except Exception as error:

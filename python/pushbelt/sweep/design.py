@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from pushbelt.cli.options import numbers
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.start_values import SETTABLE, StartValueError, checked
 from pushbelt.tables import sheet as sheets
@@ -99,14 +100,11 @@ def varied(text: str) -> Varied:
     name, _, values = (part.strip() for part in text.partition("="))
     name = AXIS_OF.get(name, name)
     try:
-        if ":" not in values:
-            return Varied(name, tuple(float(part) for part in values.split(",")))
-        low, high, *count = values.split(":")
-        span = float(low), float(high)
-        if span[0] < span[1] and not count:
-            return Varied(name, span=span)
-        if span[0] < span[1] and len(count) == 1 and int(count[0]) > 1:
-            return Varied(name, tuple(np.linspace(*span, int(count[0])).tolist()))
+        if values.count(":") != 1:
+            return Varied(name, numbers(values))
+        low, high = map(float, values.split(":"))
+        if low < high:
+            return Varied(name, span=(low, high))
     except ValueError:
         pass
     raise DesignError(f"--vary {text} is not of the form NAME=A,B,C, NAME=LOW:HIGH:N or, with --samples, NAME=LOW:HIGH")

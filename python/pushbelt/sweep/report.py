@@ -1,10 +1,10 @@
-"""The report of a study, one self-contained HTML file: maps of a grid, also as image files; of a design rank correlations, and scatter
-over each varied column."""
+"""The report of a study, one self-contained HTML file: maps of a grid; of a design rank correlations, and scatter over each varied column."""
 
 from __future__ import annotations
 
 import itertools
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +14,19 @@ import pyarrow as pa
 import xarray
 from xarray import DataArray
 
-from pushbelt.maps.panels import QUANTITIES, Border, Quantity, levels_of, panel, shades
+from pushbelt.fmu.bands import DEVIATION
+from pushbelt.fmu.geometry import Array
+from pushbelt.maps.panels import QUANTITIES, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
 from pushbelt.report.page import Check, write_html
 from pushbelt.report.style import BLUE, RED, RPM, in_figures
 from pushbelt.study.run import Effort
 
-from . import maps
-from .design import Design
-from .maps import carried
+from .design import Design, Points
 from .results import METADATA, schema
-from .study import AXES, Study
+from .study import AXES, Grid, Study
 
 ACROSS = 4  # Largest number of maps per row
-PICTURE_DPI = 160
 FEW = 12  # Largest number of failed points that are listed individually
 SHOWN = (
     *QUANTITIES, Quantity("losses", "loss.total", unit="W"), Quantity("largest stress of the ring", "ring.stressMax", 1e-6, "MPa"),
@@ -35,6 +34,19 @@ SHOWN = (
 LENGTHS = {"m": (1e3, "mm"), "rad": (1e3, "mrad")}  # Scale and unit of lengths and angles
 LARGE = 1e5  # Stiffnesses in N and other values above this are shown in SI units
 MOST_COLUMNS = 12  # Largest number of columns with figures: those of the largest correlations
+
+
+def data_set(grid: Points, table: pa.Table) -> xarray.Dataset:
+    """The numbers of the results over the axes of a grid, or over the points of a design, NaN where there is no steady state, and
+    the mask `steady`."""
+    names = [field.name for field in table.schema if not pa.types.is_string(field.type)]
+    numbers = table.select(names).to_pandas().astype(float).set_index("point")
+    if isinstance(grid, Grid):
+        axes = {name: getattr(grid, name) for name in AXES}
+        numbers = numbers.drop(columns=axes.keys() & numbers.keys())
+        numbers.index = pandas.MultiIndex.from_product(axes.values(), names=axes)
+    found = numbers.to_xarray()
+    return found.assign(steady=found.thrustRatio.notnull())
 
 
 def names_of(results: xarray.Dataset, points: DataArray) -> list[str]:
@@ -101,7 +113,8 @@ def _check(results: xarray.Dataset, statement: str, wrong: DataArray, asked: int
 def contours(results: xarray.Dataset) -> dict[str, Chart]:
     """Charts of all quantities by heading: one chart per clamping force, with one map per friction and speed."""
     end = " at {:.1f} kN" if results.sizes["force"] > 1 else ""
-    places = itertools.product(results.force.values, QUANTITIES)
+    deviations = (replace(one, name=f"standard deviation of {one.name}", column=one.column + DEVIATION, levels=None) for one in QUANTITIES)
+    places = itertools.product(results.force.values, [*QUANTITIES, *(one for one in deviations if one.column in results)])
     return {one.heading + end.format(1e-3 * force): _contours(results.sel(force=force), one) for force, one in places}
 
 
@@ -115,9 +128,23 @@ def _contours(results: xarray.Dataset, quantity: Quantity) -> Chart:
         there = np.isfinite(values)
         kinds = {"solved": there & ~slips, "slips through": there & slips, "no steady state": ~there}
         title = f"μ = {friction:g}, {RPM * speed:.0f} rpm"
-        panels.append(panel(title, quantity, axes, values, levels, kinds, Border(carried(axes[1], there & ~slips))))
+        panels.append(panel(title, quantity, axes, values, levels, kinds, carried(axes[1], there & ~slips)))
     columns = min(len(panels), ACROSS)
     return Chart(panels, f"Maps of {quantity.name}", columns=columns, common_legend=True, least_width=240)
+
+
+def carried(utilisation: Array, holds: np.ndarray) -> Array:
+    """Least and greatest utilisation that is carried at each ratio: between the last point that holds and the next one.
+    `holds` is over ratio × utilisation. NaN where all points hold, or none."""
+    between = 0.5 * (utilisation[1:] + utilisation[:-1])
+    border = np.full((2, len(holds)), np.nan)
+    for k, line in enumerate(holds):
+        places = np.flatnonzero(line)
+        if places.size and places[0] > 0:
+            border[0, k] = between[places[0] - 1]
+        if places.size and places[-1] < len(utilisation) - 1:
+            border[1, k] = between[places[-1]]
+    return border
 
 
 def cuts(results: xarray.Dataset) -> Chart:
@@ -139,20 +166,14 @@ def cuts(results: xarray.Dataset) -> Chart:
 
 
 def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
-    """Writes the report, and for a grid its maps as image files; returns the path of the report."""
+    """Writes the report and returns its path."""
     path = folder / "report.html"
-    results = maps.data_set(study.grid, table)
+    results = data_set(study.grid, table)
     context = _common(study, table, effort) | {"checks": evaluate(results) if results.steady.any() else []}
     if isinstance(study.grid, Design):
         write_html("sweep/design.html.j2", context | _of_design(study, table), path)
-        return path
-    pictures = folder / "maps"
-    pictures.mkdir(parents=True, exist_ok=True)
-    for old in pictures.glob("*.png"):
-        old.unlink()
-    for name, figure in maps.sheets(results).items():
-        figure.savefig(pictures / f"{name}.png", dpi=PICTURE_DPI)
-    write_html("sweep/sweep.html.j2", context | _of_grid(study, results), path)
+    else:
+        write_html("sweep/sweep.html.j2", context | _of_grid(study, results), path)
     return path
 
 

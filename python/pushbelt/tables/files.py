@@ -7,7 +7,6 @@ import csv
 import gzip
 import io
 import re
-import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -27,11 +26,7 @@ SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "bl
 """Signs between columns, in the order of preference."""
 LARGEST = 1_000_000_000  # Largest file, bytes
 LEAST_NAMES = 3  # Number of known columns from which a sheet is a table beside another one with the same
-OTHERS = {
-    b"\x89HDF": "an HDF5 or new MATLAB file", b"MATLAB 5.0": "a MATLAB file", b"TDSm": "a TDMS file", b"CDF": "a netCDF file",
-    b"\x93NUMPY": "a NumPy file", b"ARROW1": "a Feather file", b"\xd0\xcf\x11\xe0": "an old Excel file",
-}  # fmt: skip
-"""Files that are no tables by the bytes with which they start."""
+WANTED = "export it as CSV, .xlsx, Parquet or MDF"
 HEAD = 60  # Rows in which the header is searched
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
          codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}  # fmt: skip
@@ -75,26 +70,11 @@ def read(path: Path, names: Names, sheet: str | None = None, encoding: str | Non
         return _mf4(data, names)
     if data.startswith(b"PAR1"):
         return _parquet(data)
-    kind = _zipped(data) if data.startswith(b"PK\x03\x04") else next((OTHERS[start] for start in OTHERS if data.startswith(start)), None)
     if re.match(rb'(?:\xef\xbb\xbf)?\s*(?:[{\[]\s*["{\[\]}]|<(?:[?!]|html))', data[:200], re.IGNORECASE):
-        kind = "XML or HTML" if b"<" in data[:10] else "JSON"
-    if kind is not None:
-        raise TextError(f"this is {kind}, not a table: export it as CSV, .xlsx, Parquet or MDF")
+        raise TextError(f"this is {'XML or HTML' if b'<' in data[:10] else 'JSON'}, not a table: {WANTED}")
     if data.startswith(b"PK\x03\x04"):
         return _spreadsheet(data, names, sheet)
     return _text(data, names, encoding)
-
-
-def _zipped(data: bytes) -> str | None:
-    """What a zip archive is; None if it may be a workbook."""
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            inside = archive.namelist()
-            if "mimetype" in inside and b"opendocument" in archive.read("mimetype")[:80]:
-                return "an OpenDocument file"
-    except (zipfile.BadZipFile, RuntimeError, zlib.error):
-        return None
-    return "a binary workbook" if "xl/workbook.bin" in inside else None if "[Content_Types].xml" in inside else "a zip archive"
 
 
 # Text
@@ -105,8 +85,8 @@ def _decoded(data: bytes, encoding: str | None = None) -> tuple[str, str]:
     if encoding is None and data[:4000].count(0):
         # UTF-16 without a mark: the zeros of Latin text are at odd places if the low byte comes first.
         even, odd = data[0:4000:2].count(0), data[1:4000:2].count(0)
-        if max(even, odd) < len(data[:4000]) // 8:
-            raise TextError("the file is not a table: it has bytes that no text has")
+        if max(even, odd) < len(data[:4000]) // 8 or min(even, odd) > max(even, odd) // 8:
+            raise TextError(f"the file is not a table: it has bytes that no text has; {WANTED}")
         encoding = "utf-16-le" if odd > even else "utf-16-be"
     for candidate in [encoding] if encoding else ["utf-8", "cp1252", "latin-1"]:
         try:
