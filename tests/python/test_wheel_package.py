@@ -107,14 +107,14 @@ def test_a_steady_state_is_at_the_point_and_leaves_the_run(belt: variator.Variat
 
 
 def test_bands_are_chords_over_steady_states(belt: variator.Variator) -> None:
-    deviations, force = {"friction.pulley": 1e-3, "torque": 0.5}, belt.least_force(1.5, 40.0)
+    deviations, force = {"friction.pulley": 1e-3, "torque": 0.5}, belt.least_force(1.5, 40.0, 2.0)
     bands = belt.bands(1.5, 40.0, deviations, force=force)
     above, below = (belt.steady(1.5, torque, force=force) for torque in (40.5, 39.5))
     for name in ("thrustRatio", "slip", "loss.total", "secondary.speed"):
         of_friction, of_torque = bands.chords[name]
         assert of_torque == pytest.approx(0.5 * (above[name] - below[name]), rel=1e-4)
         assert bands[name] == pytest.approx(np.hypot(of_friction, of_torque), rel=0.02) and sum(bands.largest(name).values()) == pytest.approx(1.0)
-    assert math.isnan(bands.lost) and belt.bands(1.5, 40.0, {"friction.pulley": 0.01}, safety=1.2).lost > 0.0
+    assert math.isnan(bands.lost) and belt.bands(1.5, 40.0, {"friction.pulley": 0.02}, safety=1.2).lost > 0.0
     assert bands.to_dataframe().loc["slip"].tolist() == pytest.approx([bands.outputs["slip"], bands["slip"], *bands.chords["slip"]])
     with pytest.raises(pushbelt.UnknownNameError, match="belt.play"):
         belt.bands(1.5, 40.0, {"belt.plya": 1e-5})
@@ -130,7 +130,7 @@ def test_a_gradient_is_a_table_of_derivatives(belt: variator.Variator) -> None:
     }.items():
         for output in ("thrustRatio", "slip", "loss.total", "primary.speed"):
             assert table.loc[output, name] == pytest.approx(0.5 * (above[output] - below[output]) / step, rel=0.02, abs=1e-6), (name, output)
-    assert table["force"].equals(table["secondary.clampingForce"]) and math.isnan(table.loc["ring.stressMax", "ratio"])
+    assert np.allclose(table["force"], table["secondary.clampingForce"], equal_nan=True) and math.isnan(table.loc["ring.stressMax", "ratio"])
     assert table.attrs["units"]["torque"] == "N.m" and table.attrs["units"]["loss.total"] == "W"
     for hold, kept in (("speed ratio", "ratio.speed"), ("forces", "primary.axialForce")):
         held = state.gradient("torque", hold=hold)
