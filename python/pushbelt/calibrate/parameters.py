@@ -54,6 +54,19 @@ class Parameter:
         return tuple(sorted((self.value(coordinate - half), self.value(coordinate + half))))  # type: ignore[return-value]
 
 
+@dataclass(frozen=True)
+class Size(Parameter):
+    """A size that the FMU does not have and that starts at 0, such as an offset of a channel. The coordinate is value/`scale`."""
+
+    scale: float = 1.0
+
+    def coordinate(self, value: float) -> float:
+        return value / self.scale
+
+    def value(self, coordinate: float) -> float:
+        return min(max(coordinate * self.scale, self.low), self.high)
+
+
 def choose(
     wanted: Mapping[str, float | None], limits: Mapping[str, Pair], variables: Mapping[str, Any], values: Mapping[str, float],
     priors: Mapping[str, Pair] | None = None,
