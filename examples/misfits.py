@@ -116,7 +116,7 @@ def examined(seed: int, fault: str | None) -> tuple[str, float, list[str], list[
 
     chosen, opened = parameters.choose(dict.fromkeys(NAMES), {}, archive.variables, base), model.Model(rig.points, solve)
     found = fit.fit(opened, chosen)
-    named, trends = misfit.search(rig, opened, chosen, found)
+    named, trends = misfit.search(rig, opened, chosen, found), misfit.trends(rig, opened, found)
     return fault or "none", found.rms[1], [misfit.sentence(rig, found, one) for one in named], [misfit.trend(one) for one in trends if one.significant]
 
 

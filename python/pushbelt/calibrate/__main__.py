@@ -205,7 +205,7 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
     with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * cost(rig)) as opened:
         fitted = misfit.with_causes(opened, laws)
         found = fit(fitted, chosen)
-        causes, trends = ([], []) if rig.recorded else misfit.search(rig, fitted, chosen, found)
+        causes, trends = ([], []) if rig.recorded else (misfit.search(rig, fitted, chosen, found), misfit.trends(rig, fitted, found))
     said = [misfit.sentence(rig, found, cause) for cause in causes]
     if not found.misfit and causes and found.rms[1] > SUSPECT and causes[0].fit.rms[1] < 0.5 * found.rms[1]:
         found = found._replace(misfit=said[0])

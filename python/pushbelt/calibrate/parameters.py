@@ -60,6 +60,11 @@ class Size(Parameter):
 
     scale: float = 1.0
 
+    @classmethod
+    def over(cls, name: str, unit: str, scale: float) -> Size:
+        """A size of at most its scale."""
+        return cls(name, (name,), unit, 0.0, -scale, scale, scale=scale)
+
     def coordinate(self, value: float) -> float:
         return value / self.scale
 

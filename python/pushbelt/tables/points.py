@@ -75,6 +75,7 @@ class Point:
 class Rig:
     sheet: Sheet
     points: list[Point]
+    values: Mapping[str, Array] = field(default_factory=dict)  # Columns of the sheet and computed ones, SI
     parameters: Mapping[str, float] = field(default_factory=dict)  # Those that give forces from oil pressures
 
     @property
@@ -153,7 +154,7 @@ class _Points:
             sheet.faults.append(Fault(f"no row can be used: {'; '.join(grouped(sheet.left_out)[:5])}" if sheet.left_out else nothing))
             sheet.left_out.clear()
         sheet.check()
-        return Rig(sheet, points, self.parameters)
+        return Rig(sheet, points, self.values, self.parameters)
 
     def _require(self, required: Sequence[str]) -> None:
         there = set(self.values) | self.sheet.failed
