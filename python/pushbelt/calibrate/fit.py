@@ -88,15 +88,15 @@ class Fit(NamedTuple):
         return [estimate for estimate in self.estimates if estimate.half is not None]
 
 
-def fit(model: Model, parameters: Sequence[Parameter], at: Array | None = None) -> Fit:
-    """Fits parameters, from their start values or from coordinates `at`. Those that the table does not determine are held at their start values,
+def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = None) -> Fit:
+    """Fits parameters, from their start values or from coordinates `begin`. Those that the table does not determine are held at their start values,
     those at a bound are held there.
     First a fit with a robust loss finds the outliers, which are then left out."""
     count = len(model.values) + sum(parameter.prior is not None for parameter in parameters)
     if count <= len(parameters):
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
     start = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
-    first = start if at is None else at
+    first = start if begin is None else begin
     (before,) = model.states([assign(parameters, first)])
     given_up: dict[int, str] = {}
     place, states = _carrying(model, parameters, first, list(before))

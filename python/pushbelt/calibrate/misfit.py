@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -220,7 +220,7 @@ def _tested(tested: Array, basis: Array, residuals: Array) -> tuple[Array, Array
 def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found: Fit, some: Sequence[Cause]) -> Array:
     """Derivatives of the residuals with respect to the sizes of causes, by those with respect to the conditions of the points."""
 
-    def moved(values: Values, point: Point, name: str, change: float) -> Job:
+    def moved(name: str, values: Values, point: Point, change: float) -> Job:
         value = getattr(point, name)
         return values, point if value is None else replace(point, **{name: value + change})
 
@@ -229,7 +229,7 @@ def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found:
         own = np.array([getattr(point, name) for point in model.points], dtype=float)
         if np.nan_to_num(own).any():
             size = Size.over(name, "1", float(np.sqrt(np.nanmean(own**2))))
-            conditions.append(Cause(size, lambda values, point, size, name=name: moved(values, point, name, size)))
+            conditions.append(Cause(size, partial(moved, name)))
     sizes, at = [one.size for one in conditions], np.zeros(len(conditions))
     by_condition = with_causes(model, conditions).slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after)
     by_friction = [(one, own[: len(place)]) for one, own in zip(parameters, found.slopes.T, strict=True) if one.name == FRICTION]
@@ -296,8 +296,8 @@ def search(rig: Rig, model: Model, parameters: Sequence[Parameter], found: Fit) 
 
     freedom = max(len(found.kept) - len(parameters) - 1, 1)
     better = loss(found) - student.isf(0.5 * CHANCE / len(some), freedom) ** 2
-    named = sorted((own for cause, one in fits if (own := Named(cause, one, loss(one))).loss < better), key=lambda one: one.loss)
-    return [one for one in named if one.loss - named[0].loss < student.isf(0.5 * (1.0 - CONFIDENCE), freedom) ** 2]
+    named = sorted((Named(cause, own, loss(own)) for cause, own in fits), key=lambda one: one.loss)
+    return [one for one in named if one.loss < better and one.loss - named[0].loss < student.isf(0.5 * (1.0 - CONFIDENCE), freedom) ** 2]
 
 
 # Sentences
