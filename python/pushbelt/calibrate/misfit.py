@@ -13,7 +13,8 @@ from scipy.stats import t as student
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.tables import units
-from pushbelt.tables.columns import COLUMNS, POWER, REQUIRED, SURE
+from pushbelt.tables.columns import COLUMNS, POWER, QUANTITIES, REQUIRED, SURE
+from pushbelt.tables.names import DEVIATION
 from pushbelt.tables.points import Point, Rig
 from pushbelt.tables.sheet import TableError, same
 
@@ -39,7 +40,7 @@ class Cause:
     change: Callable[[Values, Point, float], Job]  # Values and point without it, if it has a size
     columns: tuple[str, ...] = ()  # Those with the factor
     advice: str = ""  # What to do, or where a law holds
-    begin: float | None = None  # Size from which it is fitted; None: the start
+    begin: float | None = None  # Size from which it is fitted, whatever the derivatives say; None: the start
 
 
 class Named(NamedTuple):
@@ -69,7 +70,8 @@ class Trend(NamedTuple):
 
 
 def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
-    """The model with the sizes of causes as further variables. What a cause changes of a measured value is taken from the model's one."""
+    """The model with the sizes of causes as further variables. What a cause changes of a measured value and its deviation is in the
+    model's one, so that the residuals are right."""
 
     def changed(values: Values, point: Point) -> Job:
         for cause in causes:
@@ -81,8 +83,10 @@ def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
     def solve(jobs: Sequence[Job]) -> list[Found]:
         new, found = [changed(*job) for job in jobs], []
         for one, (_, point), (_, measured) in zip(model.solve(new), jobs, new, strict=True):
-            off = {m.key or m.quantity: other.value - m.value for m, other in zip(point.measured, measured.measured, strict=True)}
-            found.append(one._replace(values={name: value - off.get(name, 0.0) for name, value in one.values.items()}))
+            pairs = {old.key or old.quantity: (old, new) for old, new in zip(point.measured, measured.measured, strict=True)}
+            residuals = {name: (one.values[name] - new.value) / new.deviation for name, (_, new) in pairs.items() if name in one.values}
+            more = {name: pairs[name][0].value + pairs[name][0].deviation * residual for name, residual in residuals.items()}
+            found.append(one._replace(values={**one.values, **more}))
         return found
 
     found = Model(model.points, solve)
@@ -133,13 +137,13 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
         @lru_cache(4)
         def points(size: float) -> dict[int, Point]:
             with np.errstate(all="ignore"):
-                new = {name: np.clip(column, COLUMNS[name].low, COLUMNS[name].high) for name, column in without(size).items()}
-            return {point.line: point for point in rig.changed(new)}
+                new = {name: np.clip(column, COLUMNS[name].low, COLUMNS[name].high) for name, column in without(size).items() if name in COLUMNS}
+                return {point.line: point for point in rig.changed({**without(size), **new})}
 
         def change(values: Values, point: Point, size: float) -> Job:
             new = points(size).get(point.line, point)
-            known = {one.quantity: one.value for one in new.measured}
-            measured = tuple(replace(one, value=known.get(one.quantity, one.value)) for one in point.measured)
+            known = {one.quantity: one for one in new.measured}
+            measured = tuple(known.get(one.quantity, one) for one in point.measured)
             return values, replace(point, measured=measured, **{name: getattr(new, name) for name in FIELDS})
 
         found.append(Cause(size, change, tuple(columns), begin=begin))
@@ -149,7 +153,14 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
 
     def add_factor(name: str, powers: Mapping[str, Array | float]) -> None:
         size = Parameter(name, (name,), "1", 1.0, 0.1, 10.0)
-        add(size, lambda size: {name: values[name] / size**power for name, power in powers.items()}, list(powers))
+        # A deviation has the factor of its value.
+        scaled = {name: (values[name], power) for name, power in powers.items()}
+        for name, power in powers.items():
+            if name + DEVIATION in rig.values:
+                scaled[name + DEVIATION] = rig.values[name + DEVIATION], power
+            elif name in QUANTITIES:
+                scaled[name + DEVIATION] = np.hypot(QUANTITIES[name].absolute, QUANTITIES[name].relative * values[name]), power
+        add(size, lambda size: {name: column / size**power for name, (column, power) in scaled.items()}, list(powers))
 
     rms = {name: float(np.sqrt(np.nanmean(values[name] ** 2))) or 1.0 for name in taken if np.isfinite(values[name]).any()}
     for name, one in ((name, taken[name]) for name in rms):
@@ -162,7 +173,7 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
     speed, torque, force = (values[name] for name in REQUIRED)
     ratio = values.get("ratio.geometric", values.get("ratio.speed", np.ones(len(sheet))))
     name, driving = sheet.title("primary.torque"), np.sign(torque)
-    power = Size.over(f"power of the ratio in {name} (1: it is that of the other shaft)", "1", 1.0)
+    power = Size.over(f"power of the ratio in {name} (1: it is that of the other shaft)", "1", 2.0)
     add(power, lambda size: {"primary.torque": torque / ratio**size})
     if "efficiency" in taken:
         pump = Size.over(f"torque of a pump or gear in {name} and the efficiency", "N.m", rms["primary.torque"])
@@ -186,10 +197,11 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
     if thrust and len(sheet) > 2:
         moving = values[thrust] * np.gradient(np.log(ratio))
         add_weighted("change of the thrust ratio by that of ln i from row to row (points while shifting)", "1", 1.0, {thrust: moving})
-    slipping = {point.line for point in model.points for one in point.measured
-                if one.quantity == "slip" and one.value * point.torque < 0.0 and abs(one.value) > SURE * one.deviation}  # fmt: skip
+    slipping = {point.line: abs(one.value) / one.deviation for point in model.points for one in point.measured
+                if one.quantity == "slip" and one.value * point.torque < 0.0}  # fmt: skip
     gaining = np.isfinite(values.get(POWER, rig.values.get(POWER, np.full(len(sheet), np.nan)))) & ~np.isfinite(values.get("efficiency", torque))
-    if (wrong := np.isin(sheet.lines, list(slipping)) | gaining).any():
+    wrong = np.isin(sheet.lines, list(slipping)) | gaining
+    if gaining.any() or max(slipping.values(), default=0.0) > SURE:
         title = f"opposite sign of {name} in {wrong.sum()} rows, lines {', '.join(map(str, sheet.lines[wrong]))} (1: it is opposite)"
         add_weighted(title, "1", 2.0, {"primary.torque": 2.0 * torque * wrong}, 1.0)
     if any(one.name == FRICTION for one in parameters):
@@ -234,10 +246,12 @@ def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found:
     by_condition = with_causes(model, conditions).slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after)
     by_friction = [(one, own[: len(place)]) for one, own in zip(parameters, found.slopes.T, strict=True) if one.name == FRICTION]
     slopes = np.zeros((len(found.residuals), len(some)))
+    residuals = _bounded(found)[: len(place)]
     old = np.array([one.value for point in model.points for one in point.measured])
     for k, cause in enumerate(some):
         jobs = [cause.change(fixed, point, cause.size.value(cause.size.coordinate(cause.size.start) + models.STEP)) for point in model.points]
-        column = (old - [one.value for _, point in jobs for one in point.measured]) / model.deviations
+        new = np.array([(one.value, one.deviation) for _, point in jobs for one in point.measured])
+        column = (model.deviations * residuals + old - new[:, 0]) / new[:, 1] - residuals
         for one, own in zip(sizes, by_condition.T, strict=True):
             pairs = ((getattr(new, one.name), getattr(point, one.name)) for (_, new), point in zip(jobs, model.points, strict=True))
             column += own * np.array([one.coordinate((after or 0.0) - (before or 0.0)) for after, before in pairs])[place]
@@ -247,20 +261,20 @@ def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found:
     return slopes
 
 
-def _limit(found: Fit) -> float:
-    """Largest residual that counts in full, in standard deviations of the scatter: that of an outlier among so many."""
-    return float(student.isf(0.5 * (1.0 - CONFIDENCE) / len(found.kept), len(found.kept)))
+def _limit(found: Fit, scatter: float) -> float:
+    """Largest residual that counts in full: that of an outlier among so many."""
+    return float(student.isf(0.5 * (1.0 - CONFIDENCE) / len(found.kept), len(found.kept))) * max(scatter, 1.0)
 
 
-def _used(found: Fit) -> tuple[Array, Array]:
-    """Which residuals have a steady state, and these without the excess of outliers."""
-    used, limit = found.residuals != models.LOST, _limit(found) * max(found.rms[1], 1.0)
-    return used, np.clip(found.residuals, -limit, limit)[used]
+def _bounded(found: Fit) -> Array:
+    """Residuals without the excess of outliers."""
+    limit = _limit(found, found.rms[1])
+    return np.clip(found.residuals, -limit, limit)
 
 
 def trends(rig: Rig, model: Model, found: Fit) -> list[Trend]:
     """Tests of the residuals of each quantity over each column, beside the parameters and a constant; the least probable ones first."""
-    (used, residuals), quantities = _used(found), model.values["quantity"].to_numpy()
+    used, quantities = found.residuals != models.LOST, model.values["quantity"].to_numpy()
     tests = []
     for title, column in columns(rig).items():
         own = np.pad(column[model.values["point"]], (0, len(used) - len(quantities)), constant_values=np.nan)
@@ -268,7 +282,7 @@ def trends(rig: Rig, model: Model, found: Fit) -> list[Trend]:
             there = used & np.isfinite(own) & np.pad(quantities == quantity, (0, len(used) - len(quantities)))
             if there.sum() > 2 and (extent := float(np.ptp(own[there]))) > 1e-9 * np.abs(own[there]).max():
                 tested = np.where(there, (own - own[there].mean()) / extent, 0.0)[used, None]
-                _, (slope,), (chance,) = _tested(tested, np.column_stack([found.slopes[used], there[used]]), residuals)
+                _, (slope,), (chance,) = _tested(tested, np.column_stack([found.slopes[used], there[used]]), _bounded(found)[used])
                 tests.append(Trend(quantity, title, float(slope), float(chance), 0))
     return sorted((one._replace(chance=min(len(tests) * one.chance, 1.0), tests=len(tests)) for one in tests), key=lambda one: one.chance)
 
@@ -278,10 +292,11 @@ def search(rig: Rig, model: Model, parameters: Sequence[Parameter], found: Fit) 
 
     Causes are first tested by derivatives at the end of the fit (a score test, Bonferroni). Then the fit is repeated with the best of them. Two explain
     as much if their sums of squares differ by less than one more parameter would reduce it by chance (95 %)."""
-    fixed, some, (used, residuals) = assign(parameters, found.place), causes(rig, model, parameters), _used(found)
-    gains, _, chances = _tested(_slopes(model, parameters, fixed, found, some)[used], found.slopes[used], residuals)
+    fixed, some, used = assign(parameters, found.place), causes(rig, model, parameters), found.residuals != models.LOST
+    gains, _, chances = _tested(_slopes(model, parameters, fixed, found, some)[used], found.slopes[used], _bounded(found)[used])
     fits = []
-    for cause in (some[k] for k in np.argsort(-gains)[:REFITTED] if chances[k] < CHANCE / len(some)):
+    best = [some[k] for k in np.argsort(-gains)[:REFITTED] if chances[k] < CHANCE / len(some)]
+    for cause in [*best, *(one for one in some if one.begin is not None and one not in best)]:
         begin = cause.size.coordinate(cause.size.start if cause.begin is None else cause.begin)
         try:
             own = fit(with_causes(model, [cause]), [*parameters, cause.size], np.append(found.place, begin))
@@ -292,7 +307,7 @@ def search(rig: Rig, model: Model, parameters: Sequence[Parameter], found: Fit) 
     scatter = max(min((one.rms[1] for _, one in fits), default=1.0), 1.0)
 
     def loss(one: Fit) -> float:
-        return float(np.sum(np.minimum(np.abs(one.residuals[: len(one.kept)]) / scatter, _limit(found)) ** 2))
+        return float(np.sum((np.minimum(np.abs(one.residuals[: len(one.kept)]), _limit(one, scatter)) / scatter) ** 2))
 
     freedom = max(len(found.kept) - len(parameters) - 1, 1)
     better = loss(found) - student.isf(0.5 * CHANCE / len(some), freedom) ** 2
