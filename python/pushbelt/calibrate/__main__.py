@@ -183,8 +183,8 @@ def cost(rig: points.Rig) -> float:
 
 
 def sets(parameters: int) -> int:
-    """Number of solutions of all points in a fit of so many parameters."""
-    return 1 + ITERATIONS + 4 * parameters
+    """Number of solutions of all points in a fit of so many parameters, and for the tests of its residuals."""
+    return 9 + ITERATIONS + 4 * parameters
 
 
 def _run(options: argparse.Namespace, rig: points.Rig) -> int:
@@ -208,7 +208,7 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
         causes, trends = ([], []) if rig.recorded else (misfit.search(rig, fitted, chosen, found), misfit.trends(rig, fitted, found))
     said = [misfit.sentence(rig, found, cause) for cause in causes]
     if not found.misfit and causes and found.rms[1] > SUSPECT and causes[0].fit.rms[1] < 0.5 * found.rms[1]:
-        found = found._replace(misfit=said[0])
+        found = found._replace(misfit=f"an error of the table leaves {causes[0].fit.rms[1]:.3g} standard deviations in place of {found.rms[1]:.3g}")
     about = (time.perf_counter() - begin, points.notes(rig.sheet), said, trends, [law.advice for law in laws])
     results = report.Results(options.table.name, description.version or "", options.variator, base, fitted, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)
@@ -223,7 +223,7 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> int:
         print(f"{start}: {text}")
     for one in results.trends[:1]:
         print(f"trend: {misfit.trend(one)}")
-    for line in (*results.notes, *map(report.sentence, found.estimates)):
+    for line in (*results.notes, *results.laws, *map(report.sentence, found.estimates)):
         print(f"  {line}")
     for lost in results.lost.itertuples():
         print(f"  no steady state, not used: {lost.name}: {lost.reason}", file=sys.stderr)

@@ -25,7 +25,7 @@ from .parameters import Parameter, ParameterError, Size, assign
 from .worker import Found, Job
 
 CHANCE = 0.01  # Probability that scatter is taken for a cause, and for a trend, over all tests
-REFITTED = 6  # Largest number of causes with which the fit is repeated
+REFITTED = 4  # Largest number of causes with which the fit is repeated
 DISTINCT = 1e-4  # Least share of the squared slopes of a cause that no fitted parameter has
 FIELDS = ("ratio", "speed_ratio", "speed", "torque", "force", "primary_force")  # Conditions of a point
 FRICTION, ORDER = "friction.pulley", "row order"
@@ -99,7 +99,7 @@ def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
 
 def columns(rig: Rig) -> dict[str, Array]:
     """Numbers that a table has for each point, by title: conditions, times, unknown columns, and the order of the rows."""
-    sheet, rows = rig.sheet, np.searchsorted(rig.sheet.lines, [point.line for point in rig.points])
+    sheet, rows = rig.sheet, rig.rows
     known = {sheet.title(name): rig.values[name] for name in ("ratio.geometric", "ratio.speed", *REQUIRED, "time") if name in rig.values}
     unknown = {title: column for title, column in sheet.others.items() if column.dtype != object}
     return {**{title: column[rows] for title, column in {**known, **unknown}.items()}, ORDER: np.arange(len(rows), dtype=float)}
@@ -182,9 +182,8 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
         })  # fmt: skip
     elif "secondary.torque" in taken:
         add_factor("efficiency of a gear on the secondary shaft", {"secondary.torque": driving})
-    rows = np.searchsorted(sheet.lines, [point.line for point in model.points])
     slips = np.zeros(len(sheet))
-    slips[rows] = [point.slip for point in model.points]
+    slips[rig.rows] = [point.slip for point in model.points]
     if "ratio.geometric" in taken:
         title = f"share of the slip in {sheet.title('ratio.geometric')} (1: it is the ratio of speeds)"
         add_weighted(title, "1", 2.0, {"ratio.geometric": ratio * slips})
@@ -199,7 +198,7 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
         add_weighted("change of the thrust ratio by that of ln i from row to row (points while shifting)", "1", 1.0, {thrust: moving})
     slipping = {point.line: abs(one.value) / one.deviation for point in model.points for one in point.measured
                 if one.quantity == "slip" and one.value * point.torque < 0.0}  # fmt: skip
-    gaining = np.isfinite(values.get(POWER, rig.values.get(POWER, np.full(len(sheet), np.nan)))) & ~np.isfinite(values.get("efficiency", torque))
+    gaining = np.isfinite(rig.values.get(POWER, np.full(len(sheet), np.nan))) & ~np.isfinite(values.get("efficiency", torque))
     wrong = np.isin(sheet.lines, list(slipping)) | gaining
     if gaining.any() or max(slipping.values(), default=0.0) > SURE:
         title = f"opposite sign of {name} in {wrong.sum()} rows, lines {', '.join(map(str, sheet.lines[wrong]))} (1: it is opposite)"
@@ -322,7 +321,7 @@ def sentence(rig: Rig, found: Fit, named: Named) -> str:
     """A cause with its size, the residuals and the parameters with it, and what to do."""
     size, (low, high) = named.estimate, named.estimate.interval or (np.nan, np.nan)
     shown = f"{size.parameter.name} = {size.value:.4g} {size.parameter.unit}".removesuffix(" 1") + f" (95 %: {low:.4g} to {high:.4g})"
-    after, before = (f"{one.rms[1]:.3g} standard deviations and {len(one.kept) - sum(one.kept)} outliers" for one in (named.fit, found))
+    after, before = (f"{one.rms[1]:.3g}" + f" and {one.kept.count(False)} outliers" * (not all(one.kept)) for one in (named.fit, found))
     values = ", ".join(f"{one.parameter.name} = {one.value:.4g}" for one in named.fit.estimates[:-1])
     advice = named.cause.advice
     for column in (rig.sheet.taken[name] for name in named.cause.columns):
@@ -332,7 +331,7 @@ def sentence(rig: Rig, found: Fit, named: Named) -> str:
             factor = column.scale.factor / scale.factor if scale and scale.factor != column.scale.factor else np.nan
             if min(low, 0.99 * size.value) <= factor <= max(high, 1.01 * size.value):
                 advice += f' --map "{column.title}={column.turned}{column.name} [{unit}]"'
-    return "; ".join(filter(None, [f"{shown}: {after} in place of {before}", values, advice.strip()]))
+    return "; ".join(filter(None, [f"{shown} leaves {after} standard deviations in place of {before}", values, advice.strip()]))
 
 
 def trend(one: Trend) -> str:

@@ -82,6 +82,12 @@ class Rig:
     def recorded(self) -> bool:
         return any(point.samples for point in self.points)
 
+    @property
+    def rows(self) -> list[int]:
+        """Rows of the sheet that are the points."""
+        places = {int(line): row for row, line in enumerate(self.sheet.lines)}
+        return [places[point.line] for point in self.points]
+
     def changed(self, values: Mapping[str, Array]) -> list[Point]:
         """The steady points with other values of columns, by known name. No row is left out because of them."""
         sheet = replace(self.sheet, values={**self.sheet.values, **values}, faults=[], left_out=[], remarks=[])
