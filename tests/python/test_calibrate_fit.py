@@ -300,6 +300,7 @@ def test_torques_in_pound_feet_are_named(calibrated, solved: Rows, tmp_path: Pat
     assert calibrated(rows) == __main__.MISFIT
     option = re.search(r'factor of primary\.torque \[Nm\] = 0\.73.* --map "(.*lbf\.ft.*)"', (said := capsys.readouterr().out))
     assert option is not None, said
+    assert "Possible cause: factor of primary.torque [Nm]" in reports.stands_alone(tmp_path / "out" / "report.html")
     assert calibrated(rows, "--map", option[1]) == 0
     fits(tmp_path / "out")
 
