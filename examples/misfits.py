@@ -127,9 +127,10 @@ def main(clean: int, faults: list[str]) -> None:
     print("| fault | residuals, standard deviations | named |\n|---|---|---|")
     with ProcessPoolExecutor(2) as pool:
         for fault, rms, named, trends in pool.map(examined, *zip(*jobs, strict=True)):
-            if named or trends or fault != "none":
+            if named or fault != "none":
                 print(f"| {fault} | {rms:.3g} | {'<br>'.join(named) or '–'} |", flush=True)
-                print(*trends[:3], sep="\n", file=sys.stderr)
+            for text in trends[:1]:
+                print(f"{fault}: {text}", file=sys.stderr)
     print(f"{clean} clean tables")
 
 
