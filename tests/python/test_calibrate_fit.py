@@ -298,8 +298,9 @@ def test_torques_in_pound_feet_are_named(calibrated, solved: Rows, tmp_path: Pat
     """Under [Nm] they are fitted by a friction of another size, but not as well as in their own unit."""
     rows = [[ratio, speed, torque / 1.3558179483314, *others] for ratio, speed, torque, *others in solved]
     assert calibrated(rows) == __main__.MISFIT
-    option = re.search(r'torques in lb\.ft leave .* --map "(.*)"', capsys.readouterr().out)
-    assert option is not None
+    option = re.search(r'factor of primary\.torque \[Nm\] = 0\.73.* --map "(.*lbf\.ft.*)"', (said := capsys.readouterr().out))
+    assert option is not None, said
+    assert "Possible cause: factor of primary.torque [Nm]" in reports.stands_alone(tmp_path / "out" / "report.html")
     assert calibrated(rows, "--map", option[1]) == 0
     fits(tmp_path / "out")
 

@@ -93,6 +93,12 @@ def test_an_offset_of_the_ratio_and_torques_near_zero_are_no_reason_to_refuse(tm
     assert len(points.read(table(path, {**of(LEAST), "T_P [Nm]": np.linspace(-0.3, 0.3, 12)})).points) == 12
 
 
+def test_a_ratio_of_speeds_is_no_geometric_one(tmp_path: Path) -> None:
+    wrong = of(FULL, lambda c: {**c, "i_geo": c["n_P"] / c["n_S"]})
+    with pytest.raises(TableError, match=r'--map "i_geo \[-\]=ratio.speed \[-\]"'):
+        points.read(table(tmp_path / "table.csv", wrong))
+
+
 def test_values_are_taken_as_written_if_the_user_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = table(tmp_path / "table.csv", of(FULL, FAULTS["rad/s under rpm"][0]))
     rig = points.read(path, Reading(as_written=True))

@@ -39,12 +39,11 @@ from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.unit import belt_described
 from pushbelt.tables import columns, points
 from pushbelt.tables.sheet import TableError
-from pushbelt.tables.units import FOOT, POUND
 
 from . import parameters
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-SUSPECT = 1.5  # Root mean square of the residuals, in standard deviations, above which torques in lb·ft are tried
+SUSPECT = 1.5  # Root mean square of the residuals, in standard deviations, above which a fit is bad if a cause halves it
 MISFIT = 3  # Exit code of a bad fit
 ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
 SOLUTION = 0.008  # Processor time of a steady state near another one, s
@@ -74,6 +73,14 @@ def prior(text: str) -> tuple[str, tuple[float, float]]:
     return found[1], (float(found[2]), float(found[3]))
 
 
+def accuracy(text: str) -> tuple[str, str]:
+    """`name=number` or `name=number%`."""
+    found = re.fullmatch(rf"(.+?)=\s*({NUMBER})\s*(%?)\s*", text)
+    if not found or not 0.0 < float(found[2]) < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is not of the form name=sd or name=sd%, with sd above 0")
+    return found[1], found[2] + found[3]
+
+
 def parser() -> argparse.ArgumentParser:
     found = program("calibrate", __doc__, "report.html, parameters.json and residuals.csv", needed=False)
     found.add_argument("table", type=Path, nargs="?", metavar="TABLE", help="the measured points")
@@ -86,12 +93,17 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--bounds", type=limits, action="append", default=[], metavar="NAME=LOW:HIGH", help="narrower bounds than the FMU's")
     known = "what is known of a fitted parameter without the table, value and standard deviation; also VALUE+-SD"
     found.add_argument("--prior", type=prior, action="append", default=[], metavar="NAME=VALUE±SD", help=known)  # fmt: skip
+    text = "fit a friction.pulley that is a linear function of a column, such as T_oil, about its mean"
+    found.add_argument("--friction-over", metavar="COLUMN", help=text)
     found.add_argument("--accept-misfit", action="store_true", help="exit code 0 also for a fit that is bad, instead of 3")
     add_variator(found)
     add_set(found, "fixed value of a parameter")
     found.add_argument("--workers", type=count, default=2, metavar="N", help="processes [default: 2]")
     text = "take values that are not plausible on a variator as they are written"
-    add_reading(found).add_argument("--as-written", action="store_true", help=text)
+    group = add_reading(found)
+    group.add_argument("--as-written", action="store_true", help=text)
+    text = "standard deviation of a column without .sd, in its unit or as a share of the value, such as T_P=0.3 or F_P=0.5%%; can be repeated"
+    group.add_argument("--accuracy", type=accuracy, action="append", default=[], metavar="NAME=SD", help=text)
     return found
 
 
@@ -109,7 +121,8 @@ def main(arguments: Sequence[str] | None = None) -> int | console.Done:
     given = {name: {**parameter_set(name), **changes} for name in sets}
     try:
         # Cylinders are those of the first set and of --set; the geometry is that of `bench168`, the FMU's default, unless they have one.
-        rig = points.read(options.table, reading(options), {**parameter_set("bench168"), **next(iter(given.values()))})
+        own = replace(reading(options), accuracy=dict(options.accuracy))
+        rig = points.read(options.table, own, {**parameter_set("bench168"), **next(iter(given.values()))})
     except TableError as error:
         # The faults come after what is understood in spite of them.
         if options.check and error.found is not None:
@@ -170,13 +183,13 @@ def cost(rig: points.Rig) -> float:
 
 
 def sets(parameters: int) -> int:
-    """Number of solutions of all points in a fit of so many parameters."""
-    return 1 + ITERATIONS + 4 * parameters
+    """Number of solutions of all points in a fit of so many parameters, and for the tests of its residuals."""
+    return 9 + ITERATIONS + 4 * parameters
 
 
 def _run(options: argparse.Namespace, rig: points.Rig) -> console.Done:
     require("tables")  # The help needs no packages of the extras.
-    from . import model, report
+    from . import misfit, model, report
     from .fit import fit
 
     fmu = options.fmu or default_fmu()
@@ -184,21 +197,20 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> console.Done:
     variables = {variable.name: variable for variable in description.modelVariables}
     base = checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
+    laws = [misfit.friction_over(rig, options.friction_over, chosen)] if options.friction_over else []
+    chosen += [law.size for law in laws]
     begin = time.perf_counter()
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
     with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * cost(rig)) as opened:
-        found = fit(opened, chosen)
-        if found.rms[1] > SUSPECT and not rig.recorded:
-            # A torque in another unit of the same size is fitted by a friction of another size, but not as well.
-            other = model.Model([replace(point, torque=POUND * FOOT * point.torque) for point in rig.points], opened.solve)
-            other.most_solves = opened.most_solves
-            if (rms := fit(other, chosen).rms[1]) < 0.5 * found.rms[1]:
-                text = f"torques in lb.ft leave {rms:.3g} standard deviations in place of {found.rms[1]:.3g}"
-                text += f': --map "{rig.sheet.title("primary.torque")}=primary.torque [lb.ft]"'
-                found = found._replace(misfit=text)
-    about = (time.perf_counter() - begin, points.notes(rig.sheet))
-    results = report.Results(options.table.name, description.version or "", options.variator, base, opened, found, *about)
+        fitted = misfit.with_causes(opened, laws)
+        found = fit(fitted, chosen)
+        causes, trends = ([], []) if rig.recorded else (misfit.search(rig, fitted, chosen, found), misfit.trends(rig, fitted, found))
+    said = [misfit.sentence(rig, found, cause) for cause in causes]
+    if not found.misfit and causes and found.rms[1] > SUSPECT and causes[0].fit.rms[1] < 0.5 * found.rms[1]:
+        found = found._replace(misfit=f"an error of the table leaves {causes[0].fit.rms[1]:.3g} standard deviations in place of {found.rms[1]:.3g}")
+    about = (time.perf_counter() - begin, points.notes(rig.sheet), said, trends, [law.advice for law in laws])
+    results = report.Results(options.table.name, description.version or "", options.variator, base, fitted, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)
     report.write_residuals(results, options.output / "residuals.csv")
     report.write_parameters(results, options.output / "parameters.json")
@@ -207,7 +219,11 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> console.Done:
         print(f"does not fit: {found.misfit}")
     if left_out := report.outliers(results):
         print(left_out)
-    for line in (*results.notes, *map(report.sentence, found.estimates)):
+    for start, text in zip(["possible cause", *["or as likely"] * len(said)], said, strict=False):
+        print(f"{start}: {text}")
+    for one in results.trends[:1]:
+        print(f"trend: {misfit.trend(one)}")
+    for line in (*results.notes, *results.laws, *map(report.sentence, found.estimates)):
         print(f"  {line}")
     for lost in results.lost.itertuples():
         print(f"  no steady state, not used: {lost.name}: {lost.reason}", file=sys.stderr)

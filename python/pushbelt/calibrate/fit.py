@@ -78,6 +78,9 @@ class Fit(NamedTuple):
     kept: tuple[bool, ...]  # For each measured value, whether it is no outlier
     rms_of_all: float  # Root mean square of the residuals after, with the outliers
     misfit: str | None  # Why the model with these parameters does not fit; None if it does
+    place: Array  # Coordinates of all parameters
+    residuals: Array  # After, in standard deviations, of all measured values and then of the priors
+    slopes: Array  # Their derivatives; 0 for a parameter that is not determined
 
     @property
     def determined(self) -> list[Estimate]:
@@ -85,16 +88,18 @@ class Fit(NamedTuple):
         return [estimate for estimate in self.estimates if estimate.half is not None]
 
 
-def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
-    """Fits parameters. Those that the table does not determine are held at their start values, those at a bound are held there.
+def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = None) -> Fit:
+    """Fits parameters, from their start values or from coordinates `begin`. Those that the table does not determine are held at their start values,
+    those at a bound are held there.
     First a fit with a robust loss finds the outliers, which are then left out."""
     count = len(model.values) + sum(parameter.prior is not None for parameter in parameters)
     if count <= len(parameters):
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
     start = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
-    (before,) = model.states([assign(parameters, start)])
+    first = start if begin is None else begin
+    (before,) = model.states([assign(parameters, first)])
     given_up: dict[int, str] = {}
-    place, states = _carrying(model, parameters, start, list(before))
+    place, states = _carrying(model, parameters, first, list(before))
     if all(found.reason is not None for found in states):
         raise FitError(f"no point has a steady state at the start values: {states[0].reason}")
     if model.exhausted:
@@ -149,7 +154,7 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
     elif last > 1.0 and (np.isfinite(at_start[kept]).sum() == len(kept) - left) and last >= first * (1.0 - 1e-6):
         misfit = f"the root mean square of the residuals, {last:.3g} standard deviations, has not fallen"
     solved = before, search.states, search.evaluations, search.converged
-    return Fit(estimates, spread, (first, last), *solved, tuple(kept.tolist()), of_all, misfit)
+    return Fit(estimates, spread, (first, last), *solved, tuple(kept.tolist()), of_all, misfit, search.place, search.residuals, search.slopes)
 
 
 def _rms(relative: Array) -> float:

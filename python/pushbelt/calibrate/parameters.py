@@ -54,6 +54,24 @@ class Parameter:
         return tuple(sorted((self.value(coordinate - half), self.value(coordinate + half))))  # type: ignore[return-value]
 
 
+@dataclass(frozen=True)
+class Size(Parameter):
+    """A size that the FMU does not have and that starts at 0, such as an offset of a channel. The coordinate is value/`scale`."""
+
+    scale: float = 1.0
+
+    @classmethod
+    def over(cls, name: str, unit: str, scale: float) -> Size:
+        """A size of at most its scale."""
+        return cls(name, (name,), unit, 0.0, -scale, scale, scale=scale)
+
+    def coordinate(self, value: float) -> float:
+        return value / self.scale
+
+    def value(self, coordinate: float) -> float:
+        return min(max(coordinate * self.scale, self.low), self.high)
+
+
 def choose(
     wanted: Mapping[str, float | None], limits: Mapping[str, Pair], variables: Mapping[str, Any], values: Mapping[str, float],
     priors: Mapping[str, Pair] | None = None,

@@ -23,7 +23,9 @@ from pushbelt.tables.points import Rig
 
 from . import fit, model, worker
 from .fit import Estimate, Fit
+from .misfit import Trend
 from .model import Model, Score, of, plain, quantities, score
+from .parameters import Size
 
 SURE = 2.0  # Half-width of the shaded band, in standard deviations
 LEAST_REACH = 3.0  # Least reach of the axis of residuals, in standard deviations
@@ -116,11 +118,14 @@ def _marked(name: str, rows: pd.DataFrame, border: Array, sides: Array, middle: 
 class Results:
     def __init__(
         self, table: str, version: str, variator: str, base: Mapping[str, float], model: Model, found: Fit, seconds: float = 0.0,
-        notes: Sequence[str] = (),
+        notes: Sequence[str] = (), causes: Sequence[str] = (), trends: Sequence[Trend] = (), laws: Sequence[str] = (),
     ) -> None:  # fmt: skip
         """Name of the table's file, version of the FMU, parameter set of the start values, its values with the additional settings, wall-clock
-        time, and what was computed, ignored or left out of the table."""
+        time, what was computed, ignored or left out of the table, possible causes of a misfit, trends of the residuals, and what a fitted law of
+        the friction says."""
         self.table, self.version, self.variator, self.base, self.seconds, self.notes = table, version, variator, base, seconds, notes
+        self.causes, self.tests, self.laws = causes, trends, laws
+        self.trends = [one for one in trends if one.significant]
         self.fit, self.points, self.solves = found, model.points, model.solves
         # All measured values with the start values and with the fitted parameters, in the order of the table.
         self.before, self.rows = (model.rows(states, found.kept) for states in (found.before, found.after))
@@ -165,7 +170,9 @@ def write_parameters(results: Results, path: Path) -> None:
         entry: dict[str, Any] = {"value": estimate.value, "unit": parameter.unit, "origin": "bound" if estimate.at_bound else "calibrated"}
         if estimate.interval is not None:
             entry["interval95"] = list(estimate.interval)
-        for name in parameter.variables:
+        if parameter.name == "friction.pulley" and results.laws:
+            entry["note"] = "; ".join([*results.laws, *(sentence(one) for one in results.fit.estimates if isinstance(one.parameter, Size))])
+        for name in () if isinstance(parameter, Size) else parameter.variables:
             kept = {"value": results.base.get(name, parameter.start), "origin": "start"}
             entries[name] = entry if estimate.undetermined is None else kept
     document = {

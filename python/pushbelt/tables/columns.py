@@ -21,10 +21,12 @@ REQUIRED = ("primary.speed", "primary.torque", "secondary.clampingForce")
 POWER = "power ratio"  # Driven power/driving power by the direction of the primary torque, also above 1
 PARTS = {
     "thrustRatio": ("primary.clampingForce", "secondary.clampingForce"),
-    "slip": ("ratio.geometric", "primary.speed", "secondary.speed"),
-    "efficiency": ("primary.speed", "secondary.speed", "primary.torque", "secondary.torque"),
+    "slip": ("ratio.geometric", "ratio.speed"),
+    "efficiency": ("primary.torque", "secondary.torque", "ratio.speed"),
+    "ratio.speed": ("primary.speed", "secondary.speed"),
 }
 """Columns from which a quantity is computed, as products and quotients."""
+SURE = 3.0  # Standard deviations by which an efficiency may be above `HIGHEST`
 RECORDED = ("primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce", SAMPLED)
 """Columns of recorded shifts besides series and time."""
 EXAMPLES = RESOURCES / "calibrate-template.csv"

@@ -181,18 +181,22 @@ class Other(NamedTuple):
 
     def changed(self, sheet: Sheet) -> Sheet:
         new = {one.name: one.si(sheet.taken[name].written(sheet.values[name])) for name, one in self.columns.items()}
-        return replace(sheet, values={**sheet.values, **new}, faults=[], left_out=[], remarks=[])
+        others = {name: column for name, column in sheet.values.items() if name not in self.columns}
+        return replace(sheet, values={**others, **new}, faults=[], left_out=[], remarks=[])
 
     def __str__(self) -> str:
         return f"{self.text} ({' '.join(self.options)})"
 
 
-def _others(sheet: Sheet) -> Iterator[Other]:
+def _others(sheet: Sheet, found: Mapping[str, str]) -> Iterator[Other]:
     there = {name: one for name, one in sheet.taken.items() if name in sheet.values}
     for names, prefix, text in ((INVERTED, "1/", ", if it is the inverse of {}"), (SIGNED, "-", " with the other sign")):
         for name in (name for name in names if name in there):
             one = there[name]
             yield Other(one.title + text.format(name), {name: replace(one, turned="" if one.turned == prefix else prefix)})
+    if "ratio.geometric" in there and "ratio.speed" not in there and "small slip" in found:
+        one = there["ratio.geometric"]
+        yield Other(f"{one.title} as the ratio of speeds", {one.name: replace(one, name="ratio.speed")})
     # Other units of all columns of a quantity that have the same one, or of one of them.
     groups: dict[tuple[str, str], list[Taken]] = {}
     for name, one in there.items():
@@ -213,7 +217,7 @@ def _others(sheet: Sheet) -> Iterator[Other]:
 def _better(sheet: Sheet, rebuilt: Callable[[Sheet], Values], now: _Points, found: Mapping[str, str]) -> Sequence[Other]:
     """The readings that remove most doubts and add none."""
     better: list[tuple[int, Other]] = []
-    for other in _others(sheet):
+    for other in _others(sheet, found):
         # The law is too rough to tell units, and a fast belt can only have another unit.
         if set(found) != ({"thrust law"} if other.unit else {"fast"}):
             new = _Points(rebuilt(other.changed(sheet)), len(sheet))

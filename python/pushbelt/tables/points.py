@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,10 +27,11 @@ from .columns import (
     SERIES,
     SHIFTS,
     STEP,
+    SURE,
     TIME,
 )  # fmt: skip
-from .names import DEVIATION
-from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped, of_the_column
+from .names import DEVIATION, Column, same
+from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, Taken, grouped, of_the_column
 
 Array = np.ndarray
 AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
@@ -74,10 +75,23 @@ class Point:
 class Rig:
     sheet: Sheet
     points: list[Point]
+    values: Mapping[str, Array] = field(default_factory=dict)  # Columns of the sheet and computed ones, SI
+    parameters: Mapping[str, float] = field(default_factory=dict)  # Those that give forces from oil pressures
 
     @property
     def recorded(self) -> bool:
         return any(point.samples for point in self.points)
+
+    @property
+    def rows(self) -> list[int]:
+        """Rows of the sheet that are the points."""
+        places = {int(line): row for row, line in enumerate(self.sheet.lines)}
+        return [places[point.line] for point in self.points]
+
+    def changed(self, values: Mapping[str, Array]) -> list[Point]:
+        """The steady points with other values of columns, by known name. No row is left out because of them."""
+        sheet = replace(self.sheet, values={**self.sheet.values, **values}, faults=[], left_out=[], remarks=[])
+        return _Points(sheet, self.parameters, highest=math.inf)._steady()
 
 
 def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, float] | None = None) -> Rig:
@@ -90,16 +104,39 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
     if SERIES not in sheet.taken and not sheet.faults:
+        # Unknown channels are averaged with the others.
+        unknown = {title: cells for title, cells in sheet.others.items() if cells.dtype != object}
+        plain = Column("other", -math.inf, math.inf, "unknown")
+        known, own = sheet.taken, {title: Taken(title, title, "", 0, units.Unit(1.0), plain) for title in unknown}
+        sheet = replace(sheet, values={**sheet.values, **unknown}, taken={**known, **own})
         sheet = series.averaged(sheet, TIME, STEP, tuple(CONDITIONS), NAME, reading.as_written)
+        averaged = {title: sheet.values.pop(title) for title in unknown}
+        others = {title: cells for title, cells in {**sheet.others, **averaged}.items() if len(cells) == len(sheet)}
+        sheet = replace(sheet, taken=known, others=others)
+    _add_accuracy(sheet, reading.accuracy)
     points = _Points(sheet, parameters)
     rig = points.rig()
     sheet.remarks += plausible.check(sheet, points.checked, lambda changed: _Points(changed, parameters).checked, reading.as_written)
     return rig
 
 
+def _add_accuracy(sheet: Sheet, accuracy: Mapping[str, str]) -> None:
+    """Standard deviations of columns, where the table has none."""
+    for title, text in accuracy.items():
+        name = next((name for name, one in sheet.taken.items() if name == title or same(one.title, title)), None)
+        if name not in sheet.values or name.endswith(DEVIATION):
+            sheet.faults.append(Fault(f"--accuracy {title}={text}: there is no such column of numbers"))
+            continue
+        size = float(text.removesuffix("%"))
+        found = 0.01 * size * np.abs(sheet.values[name]) if text.endswith("%") else np.full(len(sheet), size * sheet.taken[name].scale.factor)
+        own = sheet.values.get(name + DEVIATION, np.nan)
+        sheet.values[name + DEVIATION] = np.where(np.isfinite(own), own, found)
+
+
 class _Points:
-    def __init__(self, sheet: Sheet, parameters: Mapping[str, float]) -> None:
-        self.sheet, self.parameters = sheet, parameters
+    def __init__(self, sheet: Sheet, parameters: Mapping[str, float], highest: float = HIGHEST) -> None:
+        """`highest` is the largest efficiency, apart from its deviation."""
+        self.sheet, self.parameters, self.highest = sheet, parameters, highest
         self.values: dict[str, Array] = dict(sheet.values)
         self.lost: set[int] = set()  # Rows that are left out because of a computed value
         self.recorded = SERIES in sheet.taken and TIME in sheet.taken
@@ -123,7 +160,7 @@ class _Points:
             sheet.faults.append(Fault(f"no row can be used: {'; '.join(grouped(sheet.left_out)[:5])}" if sheet.left_out else nothing))
             sheet.left_out.clear()
         sheet.check()
-        return Rig(sheet, points)
+        return Rig(sheet, points, self.values, self.parameters)
 
     def _require(self, required: Sequence[str]) -> None:
         there = set(self.values) | self.sheet.failed
@@ -177,6 +214,8 @@ class _Points:
             place = np.array([sheave_position(known, pulley, ratio) for ratio in self._get("ratio.geometric", turns)])
         found = closing_force({**known, force: 0.0, pressure: self.values[pressure]}, pulley, place, speed)
         self.values[force] = found
+        if (own := self.values.get(pressure + DEVIATION)) is not None:
+            self.values.setdefault(force + DEVIATION, known[f"{pulley}.cylinder.area"] * own)
         low, high = CONDITIONS[force].low, CONDITIONS[force].high
         limits = f"not within {low:g} to {high:g} N"
         self._drop(force, (found < low) | (found > high), lambda value: f"the force is {value:.4g} N, {limits}", pressure)
@@ -224,13 +263,15 @@ class _Points:
         torque = self._get("primary.torque")
         if self._has("efficiency"):
             found, title = self.values["efficiency"], self.sheet.title("efficiency")
-            turned = (found > HIGHEST) & (torque < 0.0)
+            # Scatter about 1 is not the inverse, unless most of the overrun has it.
+            overrun, limit = (torque < 0.0) & np.isfinite(found), HIGHEST + SURE * self._deviations("efficiency", found)
+            turned = overrun & (found > (HIGHEST if (found[overrun] > HIGHEST).mean() > MOST else limit)) if overrun.any() else overrun
             if turned.any():
                 self.sheet.remarks.append(f"{title} above 1 in overrun is inverted in {int(turned.sum())} rows")
             self.values["efficiency"] = self.values[POWER] = found = np.where(turned, 1.0 / found, found)
             factor = self.sheet.taken["efficiency"].scale.factor
-            text = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g}, unless the primary torque has the other sign"
-            self._drop("efficiency", found > HIGHEST, lambda value: f"{value / factor:g} {text}", "efficiency")
+            text = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g} and its deviation, unless the primary torque has the other sign"
+            self._drop("efficiency", found > limit - HIGHEST + self.highest, lambda value: f"{value / factor:g} {text}", "efficiency")
             return
         turns = self._get("ratio.speed", self._get("ratio.geometric") / (1.0 - self._get("slip")))
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -239,13 +280,13 @@ class _Points:
         known = np.isfinite(found) & (torque != 0.0)
         if not known.any():
             return
-        inside = known & (found > 0.01) & (found <= HIGHEST)
+        inside = known & (found > 0.01) & (found <= self.highest + SURE * self._deviations("efficiency", found))
         self.values[POWER], self.values["efficiency"] = np.where(known, found, np.nan), np.where(inside, found, np.nan)
         one, other = self.sheet.title("secondary.torque"), self.sheet.title("primary.torque")
         self.sheet.remarks.append(f"efficiency is |{one}| ω_S/(|{other}| ω_P), its inverse in overrun")
         if (known & ~inside).any():
             lines = ", ".join(str(line) for line in self.sheet.lines[known & ~inside])
-            self.sheet.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 and is not used")
+            self.sheet.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 by more than its deviation and is not used")
 
     # Steady points
 
@@ -288,16 +329,33 @@ class _Points:
 
     def _measured(self, quantity: str, row: int, value: float, key: str = "", time: float | None = None) -> Measured:
         """A value with the standard deviation of the table, or else the assumed one with the standard error of averaged values."""
-        own = self.values.get(quantity + DEVIATION)
-        deviation = math.nan if own is None else float(own[row])
-        given = math.isfinite(deviation)
-        if not given:
-            sheet, taken = self.sheet, quantity in self.sheet.taken
-            parts = [name for name in ((quantity,) if taken else PARTS.get(quantity, ())) if name in sheet.errors]
-            size = abs(1.0 - value) if quantity == "slip" and not taken else abs(value)
-            errors = [size * sheet.errors[name][row] / sheet.values[name][row] for name in parts]
-            deviation = math.hypot(MEASURED[quantity].assumed(value), *filter(math.isfinite, errors))
+        deviation, given = self._deviation(quantity, row, value)
         return Measured(quantity, value, deviation, given, key, time)
+
+    def _deviations(self, quantity: str, values: Array) -> Array:
+        return np.array([self._deviation(quantity, row, value)[0] for row, value in enumerate(values.tolist())])
+
+    def _deviation(self, quantity: str, row: int, value: float) -> tuple[float, bool]:
+        """Standard deviation of a value, and whether it follows from the table: its own one, or to first order those of the columns from which it is
+        computed."""
+        known = {name: float(column[row]) for name, column in self.values.items() if name.endswith(DEVIATION) and column[row] > 0.0}
+        if quantity + DEVIATION in known:
+            return known[quantity + DEVIATION], True
+        sheet, parts = self.sheet, self._parts(quantity)
+        size = abs(1.0 - value) if quantity == "slip" and parts != [quantity] else abs(value)
+        values = {name: abs(float(sheet.values.get(name, self.values[name])[row])) for name in parts}
+        slopes = {name: 1.0 if name == quantity else size / one for name, one in values.items() if one or name == quantity}
+        errors = [slope * float(sheet.errors[name][row]) for name, slope in slopes.items() if name in sheet.errors]
+        own = [slope * known[name + DEVIATION] for name, slope in slopes.items() if name + DEVIATION in known]
+        return math.hypot(0.0 if own else MEASURED[quantity].assumed(value), *own, *filter(math.isfinite, errors)), bool(own)
+
+    def _parts(self, quantity: str) -> list[str]:
+        """Columns of which a column is a product or quotient, or the column itself."""
+        if quantity == "ratio.speed" and quantity not in self.values:
+            quantity = "ratio.geometric"
+        if quantity in self.sheet.taken or quantity not in PARTS:
+            return [quantity] * (quantity in self.values)
+        return [part for name in PARTS[quantity] for part in self._parts(name)]
 
     # Recorded shifts
 

@@ -97,6 +97,8 @@ class Reading:
     sheet: str | None = None  # Sheet of a spreadsheet
     encoding: str | None = None  # Of a text; None: UTF-8, what its first bytes say, or CP1252
     as_written: bool = False  # Whether values that are not plausible are taken as they are written
+    accuracy: Mapping[str, str] = field(default_factory=dict)
+    """Standard deviation of a column, by title or known name: a number in its unit, or a share of its values such as `0.5%`."""
 
 
 @dataclass(frozen=True)
@@ -150,6 +152,7 @@ class Sheet:
     remarks: list[str] = field(default_factory=list)  # What was assumed or computed from other columns, and warnings
     values: dict[str, Array] = field(default_factory=dict)  # SI values by name; NaN where a cell is empty
     texts: dict[str, Array] = field(default_factory=dict)  # Columns of texts by name
+    others: dict[str, Array] = field(default_factory=dict)  # Unknown columns by title: cells, or numbers if most are
     lines: Array = field(default_factory=lambda: np.empty(0, dtype=int))  # Line of each row
     left_out: list[Fault] = field(default_factory=list)  # Rows that are not used, and why
     faults: list[Fault] = field(default_factory=list)
@@ -261,8 +264,12 @@ class _Reader:
         if self.clocks and decimal is not None and not sheet.texts:
             self._on_one_clock(decimal)
             return sheet
+        for place, title in enumerate(self.titles):
+            if title in sheet.ignored and key(title) not in INDEX:
+                numbers = numerals.numbers(self.body[place], decimal or "point")
+                sheet.others[title] = numbers if np.isfinite(numbers).mean() > MOST else self.body[place].to_numpy(dtype=object)
         keep = ~np.isin(sheet.lines, [fault.line for fault in sheet.left_out if fault.line is not None])
-        for some in (sheet.values, sheet.texts):
+        for some in (sheet.values, sheet.texts, sheet.others):
             some.update({name: column[keep] for name, column in some.items()})
         sheet.lines = sheet.lines[keep]
         return sheet

@@ -1,0 +1,338 @@
+"""What may be wrong with a table whose residuals are more than scatter: one cause at a time, such as an offset of a channel, as one more fitted
+coordinate; and trends of the residuals over each column."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import t as student
+
+from pushbelt.fmu.geometry import Array
+from pushbelt.tables import units
+from pushbelt.tables.columns import COLUMNS, POWER, QUANTITIES, REQUIRED, SURE
+from pushbelt.tables.names import DEVIATION
+from pushbelt.tables.points import Point, Rig
+from pushbelt.tables.sheet import TableError, same
+
+from . import model as models
+from .fit import CONFIDENCE, Estimate, Fit, FitError, fit
+from .model import Model
+from .parameters import Parameter, ParameterError, Size, assign
+from .worker import Found, Job
+
+CHANCE = 0.01  # Probability that scatter is taken for a cause, and for a trend, over all tests
+REFITTED = 4  # Largest number of causes with which the fit is repeated
+DISTINCT = 1e-4  # Least share of the squared slopes of a cause that no fitted parameter has
+FIELDS = ("ratio", "speed_ratio", "speed", "torque", "force", "primary_force")  # Conditions of a point
+FRICTION, ORDER = "friction.pulley", "row order"
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An error of a table, or a law that the parameters lack."""
+
+    size: Parameter
+    change: Callable[[Values, Point, float], Job]  # Values and point without it, if it has a size
+    columns: tuple[str, ...] = ()  # Those with the factor
+    advice: str = ""  # What to do, or where a law holds
+    begin: float | None = None  # Size from which it is fitted, whatever the derivatives say; None: the start
+
+
+class Named(NamedTuple):
+    """A cause, with the fit that contains it."""
+
+    cause: Cause
+    fit: Fit
+    loss: float  # Sum of squares over all values, in which each one counts at most like an outlier
+
+    @property
+    def estimate(self) -> Estimate:
+        return self.fit.estimates[-1]
+
+
+class Trend(NamedTuple):
+    """Residuals of a quantity over a column."""
+
+    quantity: str
+    column: str
+    rise: float  # Change of the residual over the column's range, in standard deviations
+    chance: float  # Probability of such a trend among all tests of scatter
+    tests: int
+
+    @property
+    def significant(self) -> bool:
+        return self.chance < CHANCE
+
+
+def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
+    """The model with the sizes of causes as further variables. What a cause changes of a measured value and its deviation is in the
+    model's one, so that the residuals are right."""
+
+    def changed(values: Values, point: Point) -> Job:
+        for cause in causes:
+            size = values.get(cause.size.name)
+            if size is not None:
+                values, point = cause.change({name: value for name, value in values.items() if name != cause.size.name}, point, size)
+        return values, point
+
+    def solve(jobs: Sequence[Job]) -> list[Found]:
+        new, found = [changed(*job) for job in jobs], []
+        for one, (_, point), (_, measured) in zip(model.solve(new), jobs, new, strict=True):
+            pairs = {old.key or old.quantity: (old, new) for old, new in zip(point.measured, measured.measured, strict=True)}
+            residuals = {name: (one.values[name] - new.value) / new.deviation for name, (_, new) in pairs.items() if name in one.values}
+            more = {name: pairs[name][0].value + pairs[name][0].deviation * residual for name, residual in residuals.items()}
+            found.append(one._replace(values={**one.values, **more}))
+        return found
+
+    found = Model(model.points, solve)
+    found.most_solves = model.most_solves
+    return found
+
+
+# Causes
+
+
+def columns(rig: Rig) -> dict[str, Array]:
+    """Numbers that a table has for each point, by title: conditions, times, unknown columns, and the order of the rows."""
+    sheet, rows = rig.sheet, rig.rows
+    known = {sheet.title(name): rig.values[name] for name in ("ratio.geometric", "ratio.speed", *REQUIRED, "time") if name in rig.values}
+    unknown = {title: column for title, column in sheet.others.items() if column.dtype != object}
+    return {**{title: column[rows] for title, column in {**known, **unknown}.items()}, ORDER: np.arange(len(rows), dtype=float)}
+
+
+def friction_over(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Cause:
+    """A fitted friction that is a linear function of a column about its mean. Raises ParameterError if it is not fitted, and TableError without
+    such numbers."""
+    numbers, friction = columns(rig), next((one for one in parameters if one.name == FRICTION), None)
+    own = next((name for name in numbers if name == rig.sheet.title(title) or same(name, title)), None)
+    if friction is None:
+        raise ParameterError(f"{FRICTION} over {title} requires {FRICTION} in --fit")
+    if own is None or not np.nanstd(numbers[own]) > 0.0:
+        raise TableError(f"there is no column {title} with numbers that differ; there are {', '.join(numbers)}", rig.sheet.path)
+    column, mean = numbers[own], float(np.nanmean(numbers[own]))
+    away = {point.line: float(x) for point, x in zip(rig.points, np.nan_to_num(column - mean), strict=True)}
+
+    def change(values: Values, point: Point, slope: float) -> Job:
+        value = values[FRICTION] + slope * away[point.line]
+        return {**values, FRICTION: min(max(value, friction.low), friction.high)}, point
+
+    size = Size.over(f"slope of {FRICTION} over {own}", "1", friction.start / float(np.nanstd(column)))
+    return Cause(size, change, advice=f"{FRICTION} holds at the mean of {own}, {mean:.5g}")
+
+
+def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Cause]:
+    """What can be wrong with the columns of a table, and what the model leaves out."""
+    sheet, found = rig.sheet, []
+    values = {name: column for name, column in rig.values.items() if name in COLUMNS}
+    taken = {name: one for name, one in sheet.taken.items() if name in values}
+
+    def add(size: Parameter, without: Callable[[float], Mapping[str, Array]], columns: Sequence[str] = (), begin: float | None = None) -> None:
+        """A cause, with the columns that a table of a size has without it."""
+
+        @lru_cache(4)
+        def points(size: float) -> dict[int, Point]:
+            with np.errstate(all="ignore"):
+                new = {name: np.clip(column, COLUMNS[name].low, COLUMNS[name].high) for name, column in without(size).items() if name in COLUMNS}
+                return {point.line: point for point in rig.changed({**without(size), **new})}
+
+        def change(values: Values, point: Point, size: float) -> Job:
+            new = points(size).get(point.line, point)
+            known = {one.quantity: one for one in new.measured}
+            measured = tuple(known.get(one.quantity, one) for one in point.measured)
+            return values, replace(point, measured=measured, **{name: getattr(new, name) for name in FIELDS})
+
+        found.append(Cause(size, change, tuple(columns), begin=begin))
+
+    def add_weighted(name: str, unit: str, scale: float, weights: Mapping[str, Array | float], begin: float | None = None) -> None:
+        add(Size.over(name, unit, scale), lambda size: {name: values[name] - size * weight for name, weight in weights.items()}, (), begin)
+
+    def add_factor(name: str, powers: Mapping[str, Array | float]) -> None:
+        size = Parameter(name, (name,), "1", 1.0, 0.1, 10.0)
+        # A deviation has the factor of its value.
+        scaled = {name: (values[name], power) for name, power in powers.items()}
+        for name, power in powers.items():
+            if name + DEVIATION in rig.values:
+                scaled[name + DEVIATION] = rig.values[name + DEVIATION], power
+            elif name in QUANTITIES:
+                scaled[name + DEVIATION] = np.hypot(QUANTITIES[name].absolute, QUANTITIES[name].relative * values[name]), power
+        add(size, lambda size: {name: column / size**power for name, (column, power) in scaled.items()}, list(powers))
+
+    rms = {name: float(np.sqrt(np.nanmean(values[name] ** 2))) or 1.0 for name in taken if np.isfinite(values[name]).any()}
+    for name, one in ((name, taken[name]) for name in rms):
+        add_weighted(f"offset of {one.title}", one.unit or "1", rms[name] / one.scale.factor, {name: one.scale.factor})
+        add_factor(f"factor of {one.title}", {name: 1.0})
+    for quantity in ("torque", "clampingForce", "pressure"):
+        both = {f"{pulley}.{quantity}": 1.0 for pulley in ("primary", "secondary")}
+        if rms.keys() >= both.keys():
+            add_factor(f"factor of {' and '.join(taken[name].title for name in both)}", both)
+    speed, torque, force = (values[name] for name in REQUIRED)
+    ratio = values.get("ratio.geometric", values.get("ratio.speed", np.ones(len(sheet))))
+    name, driving = sheet.title("primary.torque"), np.sign(torque)
+    power = Size.over(f"power of the ratio in {name} (1: it is that of the other shaft)", "1", 2.0)
+    add(power, lambda size: {"primary.torque": torque / ratio**size})
+    if "efficiency" in taken:
+        pump = Size.over(f"torque of a pump or gear in {name} and the efficiency", "N.m", rms["primary.torque"])
+        add(pump, lambda size: {
+            "primary.torque": torque - size, "efficiency": values["efficiency"] * np.abs(torque / (torque - size)) ** driving
+        })  # fmt: skip
+    elif "secondary.torque" in taken:
+        add_factor("efficiency of a gear on the secondary shaft", {"secondary.torque": driving})
+    slips = np.zeros(len(sheet))
+    slips[rig.rows] = [point.slip for point in model.points]
+    if "ratio.geometric" in taken:
+        title = f"share of the slip in {sheet.title('ratio.geometric')} (1: it is the ratio of speeds)"
+        add_weighted(title, "1", 2.0, {"ratio.geometric": ratio * slips})
+    squares = {"secondary.clampingForce": -((speed / ratio) ** 2), "primary.clampingForce": -(speed**2)}
+    for names in (("secondary.clampingForce",), tuple(squares)):
+        if values.keys() >= set(names):
+            title = f"missing centrifugal force of the oil of {'both pulleys' if len(names) > 1 else 'the secondary pulley'}"
+            add_weighted(title, "N.s2/rad2", float(np.nanmean(force) / np.nanmean((speed / ratio) ** 2)), {name: squares[name] for name in names})
+    thrust = next((name for name in ("thrustRatio", "primary.clampingForce") if name in values), None)
+    if thrust and len(sheet) > 2:
+        moving = values[thrust] * np.gradient(np.log(ratio))
+        add_weighted("change of the thrust ratio by that of ln i from row to row (points while shifting)", "1", 1.0, {thrust: moving})
+    slipping = {point.line: abs(one.value) / one.deviation for point in model.points for one in point.measured
+                if one.quantity == "slip" and one.value * point.torque < 0.0}  # fmt: skip
+    gaining = np.isfinite(rig.values.get(POWER, np.full(len(sheet), np.nan))) & ~np.isfinite(values.get("efficiency", torque))
+    wrong = np.isin(sheet.lines, list(slipping)) | gaining
+    if gaining.any() or max(slipping.values(), default=0.0) > SURE:
+        title = f"opposite sign of {name} in {wrong.sum()} rows, lines {', '.join(map(str, sheet.lines[wrong]))} (1: it is opposite)"
+        add_weighted(title, "1", 2.0, {"primary.torque": 2.0 * torque * wrong}, 1.0)
+    if any(one.name == FRICTION for one in parameters):
+        laws = [title for title, column in columns(rig).items() if title in (*sheet.others, ORDER) and np.nanstd(column) > 0.0]
+        options = ["" if title == ORDER else f'--friction-over "{title}"' for title in laws]
+        found += [replace(friction_over(rig, title, parameters), advice=option) for title, option in zip(laws, options, strict=True)]
+    return [cause for cause in found if cause.size.name not in {one.name for one in parameters}]
+
+
+# Tests
+
+
+def _tested(tested: Array, basis: Array, residuals: Array) -> tuple[Array, Array, Array]:
+    """Of each column the reduction of the sum of squares by it beside a basis, its coefficient, and the probability of so large a one by chance. The
+    scatter counts at least as the standard deviations."""
+    norms = np.linalg.norm(basis, axis=0)
+    turned, singular, _ = np.linalg.svd(basis[:, norms > 0.0] / norms[norms > 0.0], full_matrices=False)
+    turned = turned[:, singular > 1e-6]
+    left, rest = (some - turned @ (turned.T @ some) for some in (tested, residuals))
+    squares, freedom = np.sum(left**2, axis=0), max(len(rest) - turned.shape[1] - 1, 1)
+    distinct = squares > DISTINCT * np.maximum(np.sum(tested**2, axis=0), 1e-30)
+    coefficients = np.where(distinct, left.T @ rest / np.where(distinct, squares, 1.0), 0.0)
+    gains = coefficients**2 * squares
+    scatter = np.maximum((rest @ rest - gains) / freedom, 1.0)
+    return gains, coefficients, 2.0 * student.sf(np.sqrt(gains / scatter), freedom)
+
+
+def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found: Fit, some: Sequence[Cause]) -> Array:
+    """Derivatives of the residuals with respect to the sizes of causes, by those with respect to the conditions of the points."""
+
+    def moved(name: str, values: Values, point: Point, change: float) -> Job:
+        value = getattr(point, name)
+        return values, point if value is None else replace(point, **{name: value + change})
+
+    place, conditions = model.values["point"].to_numpy(), []
+    for name in FIELDS:
+        own = np.array([getattr(point, name) for point in model.points], dtype=float)
+        if np.nan_to_num(own).any():
+            size = Size.over(name, "1", float(np.sqrt(np.nanmean(own**2))))
+            conditions.append(Cause(size, partial(moved, name)))
+    sizes, at = [one.size for one in conditions], np.zeros(len(conditions))
+    by_condition = with_causes(model, conditions).slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after)
+    by_friction = [(one, own[: len(place)]) for one, own in zip(parameters, found.slopes.T, strict=True) if one.name == FRICTION]
+    slopes = np.zeros((len(found.residuals), len(some)))
+    residuals = _bounded(found)[: len(place)]
+    old = np.array([one.value for point in model.points for one in point.measured])
+    for k, cause in enumerate(some):
+        jobs = [cause.change(fixed, point, cause.size.value(cause.size.coordinate(cause.size.start) + models.STEP)) for point in model.points]
+        new = np.array([(one.value, one.deviation) for _, point in jobs for one in point.measured])
+        column = (model.deviations * residuals + old - new[:, 0]) / new[:, 1] - residuals
+        for one, own in zip(sizes, by_condition.T, strict=True):
+            pairs = ((getattr(new, one.name), getattr(point, one.name)) for (_, new), point in zip(jobs, model.points, strict=True))
+            column += own * np.array([one.coordinate((after or 0.0) - (before or 0.0)) for after, before in pairs])[place]
+        for one, own in by_friction:
+            column += own * np.array([one.coordinate(values[FRICTION]) - one.coordinate(fixed[FRICTION]) for values, _ in jobs])[place]
+        slopes[: len(place), k] = column / models.STEP
+    return slopes
+
+
+def _limit(found: Fit, scatter: float) -> float:
+    """Largest residual that counts in full: that of an outlier among so many."""
+    return float(student.isf(0.5 * (1.0 - CONFIDENCE) / len(found.kept), len(found.kept))) * max(scatter, 1.0)
+
+
+def _bounded(found: Fit) -> Array:
+    """Residuals without the excess of outliers."""
+    limit = _limit(found, found.rms[1])
+    return np.clip(found.residuals, -limit, limit)
+
+
+def trends(rig: Rig, model: Model, found: Fit) -> list[Trend]:
+    """Tests of the residuals of each quantity over each column, beside the parameters and a constant; the least probable ones first."""
+    used, quantities = found.residuals != models.LOST, model.values["quantity"].to_numpy()
+    tests = []
+    for title, column in columns(rig).items():
+        own = np.pad(column[model.values["point"]], (0, len(used) - len(quantities)), constant_values=np.nan)
+        for quantity in dict.fromkeys(quantities):
+            there = used & np.isfinite(own) & np.pad(quantities == quantity, (0, len(used) - len(quantities)))
+            if there.sum() > 2 and (extent := float(np.ptp(own[there]))) > 1e-9 * np.abs(own[there]).max():
+                tested = np.where(there, (own - own[there].mean()) / extent, 0.0)[used, None]
+                _, (slope,), (chance,) = _tested(tested, np.column_stack([found.slopes[used], there[used]]), _bounded(found)[used])
+                tests.append(Trend(quantity, title, float(slope), float(chance), 0))
+    return sorted((one._replace(chance=min(len(tests) * one.chance, 1.0), tests=len(tests)) for one in tests), key=lambda one: one.chance)
+
+
+def search(rig: Rig, model: Model, parameters: Sequence[Parameter], found: Fit) -> list[Named]:
+    """The cause that explains most of the residuals, and those that explain as much; none if all may be scatter.
+
+    Causes are first tested by derivatives at the end of the fit (a score test, Bonferroni). Then the fit is repeated with the best of them. Two explain
+    as much if their sums of squares differ by less than one more parameter would reduce it by chance (95 %)."""
+    fixed, some, used = assign(parameters, found.place), causes(rig, model, parameters), found.residuals != models.LOST
+    gains, _, chances = _tested(_slopes(model, parameters, fixed, found, some)[used], found.slopes[used], _bounded(found)[used])
+    fits = []
+    best = [some[k] for k in np.argsort(-gains)[:REFITTED] if chances[k] < CHANCE / len(some)]
+    for cause in [*best, *(one for one in some if one.begin is not None and one not in best)]:
+        begin = cause.size.coordinate(cause.size.start if cause.begin is None else cause.begin)
+        try:
+            own = fit(with_causes(model, [cause]), [*parameters, cause.size], np.append(found.place, begin))
+        except FitError:
+            continue
+        if own.estimates[-1].interval is not None:
+            fits.append((cause, own))
+    scatter = max(min((one.rms[1] for _, one in fits), default=1.0), 1.0)
+
+    def loss(one: Fit) -> float:
+        return float(np.sum((np.minimum(np.abs(one.residuals[: len(one.kept)]), _limit(one, scatter)) / scatter) ** 2))
+
+    freedom = max(len(found.kept) - len(parameters) - 1, 1)
+    better = loss(found) - student.isf(0.5 * CHANCE / len(some), freedom) ** 2
+    named = sorted((Named(cause, own, loss(own)) for cause, own in fits), key=lambda one: one.loss)
+    return [one for one in named if one.loss < better and one.loss - named[0].loss < student.isf(0.5 * (1.0 - CONFIDENCE), freedom) ** 2]
+
+
+# Sentences
+
+
+def sentence(rig: Rig, found: Fit, named: Named) -> str:
+    """A cause with its size, the residuals and the parameters with it, and what to do."""
+    size, (low, high) = named.estimate, named.estimate.interval or (np.nan, np.nan)
+    shown = f"{size.parameter.name} = {size.value:.4g} {size.parameter.unit}".removesuffix(" 1") + f" (95 %: {low:.4g} to {high:.4g})"
+    after, before = (f"{one.rms[1]:.3g}" + f" and {one.kept.count(False)} outliers" * (not all(one.kept)) for one in (named.fit, found))
+    values = ", ".join(f"{one.parameter.name} = {one.value:.4g}" for one in named.fit.estimates[:-1])
+    advice = named.cause.advice
+    for column in (rig.sheet.taken[name] for name in named.cause.columns):
+        # A factor may be that of another unit.
+        for unit in (words.split()[0] for words in units.SPELLED[column.column.dimension]):
+            scale = units.find(unit, column.column.dimension)
+            factor = column.scale.factor / scale.factor if scale and scale.factor != column.scale.factor else np.nan
+            if min(low, 0.99 * size.value) <= factor <= max(high, 1.01 * size.value):
+                advice += f' --map "{column.title}={column.turned}{column.name} [{unit}]"'
+    return "; ".join(filter(None, [f"{shown} leaves {after} standard deviations in place of {before}", values, advice.strip()]))
+
+
+def trend(one: Trend) -> str:
+    return f"residuals of {one.quantity} change by {one.rise:.3g} standard deviations over {one.column} (chance {one.chance:.1g}, of {one.tests} tests)"
