@@ -110,7 +110,7 @@ def test_bands_are_chords_over_steady_states(belt: variator.Variator) -> None:
     deviations, force = {"friction.pulley": 1e-3, "torque": 0.5}, belt.least_force(1.5, 40.0, 2.0)
     bands = belt.bands(1.5, 40.0, deviations, force=force)
     above, below = (belt.steady(1.5, torque, force=force) for torque in (40.5, 39.5))
-    for name in ("thrustRatio", "slip", "loss.total", "secondary.speed"):
+    for name in ("thrustRatio", "slip", "loss.total", "primary.speed"):
         of_friction, of_torque = bands.chords[name]
         assert of_torque == pytest.approx(0.5 * (above[name] - below[name]), rel=1e-4)
         assert bands[name] == pytest.approx(np.hypot(of_friction, of_torque), rel=0.02) and sum(bands.largest(name).values()) == pytest.approx(1.0)
