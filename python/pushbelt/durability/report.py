@@ -27,7 +27,7 @@ ESTIMATED = ("factor", "damage", "damageWithoutLimit", "utilisation")  # Names o
 MOST_POINTS = 1500  # Largest number of points of a cloud. The largest amplitudes are among them
 UNITS = {
     "duration": "s", "distance": "m", "revolutions": "1", "damage": "1", "damageWithoutLimit": "1", "utilisation": "1",
-    "lifeHours": "h", "lifeKilometres": "km", "strength": "Pa", "limit": "Pa", "knee": "1", "slope": "1", "safety": "1",
+    "lifeHours": "h", "lifeKilometres": "km", "lifeRepetitions": "1", "strength": "Pa", "limit": "Pa", "knee": "1", "slope": "1", "safety": "1",
     "geometry.beltLength": "m",
 }  # fmt: skip
 
@@ -148,6 +148,8 @@ def _life(result: Damage, damage: float) -> str:
     hours, kilometres = result.life(damage)
     if not math.isfinite(hours):
         return "unlimited"
+    if result.table.collective:
+        return f"{short(hours)} h, {short(1.0 / damage)} repetitions"
     return f"{short(hours)} h" if kilometres is None else f"{short(kilometres)} km"
 
 
@@ -160,7 +162,7 @@ def _entry(result: Damage) -> dict[str, Any]:
         "geometry.beltLength": result.parameters["geometry.beltLength"],
         "duration": table.duration, "distance": table.distance, "revolutions": float(result.turns.sum()),
         "damage": result.total, "damageWithoutLimit": result.total_without_limit, "utilisation": result.utilisation,
-        "lifeHours": hours, "lifeKilometres": kilometres,
+        "lifeHours": hours, "lifeKilometres": kilometres, "lifeRepetitions": 1.0 / result.total if result.total else None,
         "sharesWithLimit": result.limited,
         "shares": {name: result.share(part=name) for name in parts}
         | {f"{kind}: {name}": result.share(rows) for kind, name, rows in classes},
