@@ -3,8 +3,9 @@
     PYTHONPATH=python python examples/plans.py [rigs, 20]
 
 A rig varies friction of the pulleys, friction of the ring and play within twice their known deviations. Four points are planned for the parameter set
-`bench168`, and six more after a fit to these. The grid has five ratios, three torques and two forces within the same limits. All tables have the
-noise of the standard deviations that they state.
+`bench168` with the lowest friction of these, and six more for the fit of the four. The grid has five ratios, three torques and two forces within the same limits; its largest torque is 0.65
+of the capacity of `bench168` at the lower force and the highest ratio, and the speed is 200 rad/s. All values have the noise of the standard deviations
+that the tables state.
 """
 
 import dataclasses
@@ -17,13 +18,12 @@ from coverage import NAMES, NOISE, unpacked
 
 import pushbelt
 from pushbelt.calibrate import fit, model, parameters, plan, worker
-from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.tables.points import Measured, Point
 
-WITHIN = {"ratio.geometric": (0.5, 2.0), "primary.speed": (100.0, 300.0), "secondary.clampingForce": (5e3, 20e3)}
-TORQUES = (0.2, 0.4, 0.6)  # Shares of the capacity on the grid
+WITHIN = {"ratio.geometric": (0.5, 2.0), "primary.speed": (100.0, 300.0), "primary.torque": (8.0, 120.0), "secondary.clampingForce": (8e3, 20e3)}
+GRID = list(itertools.product(np.geomspace(0.5, 2.0, 5), (8.0, 20.0, 32.0), (8e3, 20e3)))  # Ratio, torque and force
 MEASURED = tuple(Measured(name, np.nan, deviation, True) for name, deviation in NOISE.items())
 
 
@@ -51,22 +51,23 @@ class Rig:
                 found.append(dataclasses.replace(point, line=len(found) + 2, measured=tuple(noisy)))
         return found
 
-    def planned(self, table, count, start, share):
-        places = [dataclasses.replace(place, measured=MEASURED) for place in plan.candidates(WITHIN, {**self.base, **start}, table, share)]
-        return plan.plan(model.Model([*table, *places], self.solve), len(table), self.chosen(start), {**self.base, **start}, count, share).points
+    def planned(self, table, count, start):
+        values = {**self.base, **start}
+        places = [dataclasses.replace(place, measured=MEASURED) for place in plan.candidates(WITHIN, values, table)]
+        return plan.plan(model.Model([*table, *places], self.solve), len(table), self.chosen(start), values, count).points
 
     def fitted(self, table, start=None):
-        """The fitted values, and the half-widths of their intervals relative to them; NaN for a parameter without one."""
+        """The fitted values, and half-widths of their intervals in per cent of the true ones; NaN for a parameter without an interval."""
         found = fit.fit(model.Model(table, self.solve), self.chosen(start)).estimates
-        halves = [np.ptp(one.interval) / 2.0 / one.value if one.interval else np.nan for one in found]
+        halves = [50.0 * np.ptp(one.interval) / self.truth[one.parameter.name] if one.interval else np.nan for one in found]
         return {one.parameter.name: one.value for one in found}, halves
 
 
 def first(_: int = 0):
-    """Four points for what is known of any rig; the friction may be lower by twice its deviation."""
+    """Four points for what is known of any rig."""
     rig = Rig(0)
     start = {name: rig.base[name] for name in NAMES}
-    return rig.planned([], 4, start, plan.USED * (1.0 - 2.0 * rig.known["friction.pulley"] / start["friction.pulley"]))
+    return rig.planned([], 4, start | {"friction.pulley": start["friction.pulley"] - 2.0 * rig.known["friction.pulley"]})
 
 
 def compared(seed: int, points: list[Point]):
@@ -74,28 +75,23 @@ def compared(seed: int, points: list[Point]):
     rig = Rig(seed)
     table = rig.measure(points)
     start, _ = rig.fitted(table)
-    table += rig.measure(rig.planned(table, 6, start, plan.USED))
-    grid = itertools.product(np.geomspace(0.5, 2.0, 5), TORQUES, (5e3, 20e3))
-    own = [Point(0, "", i, None, 200.0, share * torque_capacity(rig.base, i, force), force, None, MEASURED) for i, share, force in grid]
-    other = rig.measure(own)
-    return rig.fitted(table, start)[1], rig.fitted(other)[1], (len(table), len(other))
+    table += rig.measure(rig.planned(table, 6, start))
+    grid = rig.measure([Point(0, "", ratio, None, 200.0, torque, force, None, MEASURED) for ratio, torque, force in GRID])
+    return rig.fitted(table, start)[1], rig.fitted(grid)[1], (len(table), len(grid))
 
 
 def main(rigs: int) -> None:
-    with ProcessPoolExecutor(2) as pool:
+    with ProcessPoolExecutor() as pool:
         points = pool.submit(first).result()
-        found = []
-        for one in pool.map(compared, range(rigs), itertools.repeat(points)):
-            print(*one, file=sys.stderr, flush=True)
-            found.append(one)
-    planned, grid, counts = zip(*found, strict=True)
-    widths = 100.0 * np.array([planned, grid])
-    shown = np.concatenate([widths, widths.max(axis=2, keepdims=True)], axis=2)
-    print("| half-width of the 95 % interval, % | planned, median | grid, median | planned, largest | grid, largest | rigs in which the plan is narrower |\n|---|---|---|---|---|---|")
-    for k, name in enumerate([*(f"`{name}`" for name in NAMES), "the widest of the rig"]):
-        one, other = shown[:, :, k]
-        print(f"| {name} | {np.median(one):.2f} | {np.median(other):.2f} | {one.max():.2f} | {other.max():.2f} | {(one < other).sum()} of {rigs} |")
-    print(f"Points that the belts carry: {min(c[0] for c in counts)} to {max(c[0] for c in counts)} planned, {min(c[1] for c in counts)} to {max(c[1] for c in counts)} on the grid")
+        planned, grid, counts = zip(*pool.map(compared, range(rigs), itertools.repeat(points)), strict=True)
+    print("| half-width of the 95 % interval | 10 planned, median | 30 on the grid, median | planned, largest | grid, largest | plan narrower |")
+    print("|---|---|---|---|---|---|")
+    for k, name in enumerate([*(f"`{name}`" for name in NAMES), "the widest of a rig"]):
+        one, other = (np.nanmax(found, axis=1) if k == len(NAMES) else np.array(found)[:, k] for found in (planned, grid))
+        shown = " | ".join(f"{value:.2g} %" for value in (np.nanmedian(one), np.nanmedian(other), np.nanmax(one), np.nanmax(other)))
+        print(f"| {name} | {shown} | {(one < other).sum()} of {np.isfinite(one + other).sum()} |")
+    for name, carried in zip(("planned", "on the grid"), np.transpose(counts), strict=True):
+        print(f"Of the points {name}, the belts carry {carried.min()} to {carried.max()}.")
 
 
 if __name__ == "__main__":

@@ -11,18 +11,21 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
-from functools import cache
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
 from pushbelt.errors import require
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
+from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import belt_described
 from pushbelt.variator import Variator
 
-from .table import DurabilityError, Solve, read
+from .table import COLUMNS, POINT, DurabilityError, read
 
 DRIVES = ("fixed-safety-factor.csv", "slip-control.csv")  # Runs over the whole cycle in the folder of a drive
 
@@ -42,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     steel, parameters = material(options), _parameters(options.fmu, options.variator)
     paths = [path for given in options.runs for path in _files(given)]
-    results = [damage(read(path, not options.hours, options.profile, _solver(options)), steel, parameters) for path in paths]
+    results = [damage(read(path, not options.hours, options.profile, partial(_solved, options)), steel, parameters) for path in paths]
     options.output.mkdir(parents=True, exist_ok=True)
     path = report.write(results, options.output)
     for result in results:
@@ -51,14 +54,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _solver(options: argparse.Namespace) -> Solve:
-    """Steady states of the variator, which is opened for the first of them."""
-
-    @cache
-    def belt() -> Variator:
-        return Variator(options.variator or "bench168", fmu=options.fmu)
-
-    return lambda ratio, torque, speed, force: belt().steady(ratio, torque, speed=speed, force=force).outputs
+def _solved(options: argparse.Namespace, points: Mapping[str, Array]) -> dict[str, Array]:
+    """Outputs in the steady states of working points. Raises SteadyStateError for the first one that has none."""
+    with Variator(options.variator or "bench168", fmu=options.fmu) as belt:
+        rows = zip(*(points[name].tolist() for name in POINT), strict=True)
+        states = [belt.steady(ratio, torque, speed=speed, force=force).outputs for ratio, torque, speed, force in rows]
+    return {name: np.array([state[name] for state in states]) for name in COLUMNS if name in states[0]}
 
 
 def _files(path: Path) -> list[Path]:

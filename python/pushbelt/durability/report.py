@@ -124,7 +124,7 @@ def write(results: Sequence[Damage], folder: Path) -> Path:
         "runs": [(result, clamping(result)) for result in results], "material": results[0].material, "document": document,
         "life": _life, "over_time": over_time, "haigh": haigh, "ratio_torque": ratio_torque, "clamping": of_clamping,
     }  # fmt: skip
-    page.write_html("durability/durability.html.j2", context, folder / "report.html", short=short)
+    page.write_html("durability/durability.html.j2", context, folder / "report.html")
     return folder / "report.html"
 
 
@@ -135,22 +135,13 @@ def summary(result: Damage) -> str:
     return f"damage {result.total:.3g}, life {_life(result, result.total)}, {used}"
 
 
-def short(value: float) -> str:
-    """A number with three significant digits."""
-    if not math.isfinite(value):
-        return "∞"
-    if 1e3 <= abs(value) < 1e7:
-        return page.number(float(f"{value:.3g}"))
-    return f"{value:.3g}".replace("e+0", "e").replace("e+", "e").replace("-", page.MINUS)
-
-
 def _life(result: Damage, damage: float) -> str:
     hours, kilometres = result.life(damage)
     if not math.isfinite(hours):
         return "unlimited"
     if result.table.collective:
-        return f"{short(hours)} h, {short(1.0 / damage)} repetitions"
-    return f"{short(hours)} h" if kilometres is None else f"{short(kilometres)} km"
+        return f"{page.short(hours)} h, {page.short(1.0 / damage)} repetitions"
+    return f"{page.short(hours)} h" if kilometres is None else f"{page.short(kilometres)} km"
 
 
 def _entry(result: Damage) -> dict[str, Any]:

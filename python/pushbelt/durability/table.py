@@ -13,7 +13,6 @@ import numpy as np
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
-from pushbelt.report.side_by_side import progress_bar
 from pushbelt.tables import sheet as sheets
 from pushbelt.tables import split
 from pushbelt.tables.columns import CONDITIONS
@@ -48,7 +47,7 @@ POINT = ("ratio.geometric", "primary.torque", "primary.speed", "secondary.clampi
 RATIO = replace(CONDITIONS[POINT[0]], aliases=CONDITIONS[POINT[0]].aliases + CONDITIONS["ratio.speed"].aliases)
 OF_POINTS: Mapping[str, Column] = {**{name: CONDITIONS[name] for name in POINT}, POINT[0]: RATIO, HOURS: COLUMNS[HOURS]}
 """Columns of a collective of working points, with the names and units of a rig. A ratio of speeds counts as the geometric one."""
-Solve = Callable[[float, float, float, float], Mapping[str, float]]  # Outputs in the steady state at the values of `POINT`
+Solve = Callable[[Mapping[str, Array]], dict[str, Array]]  # Outputs in the steady states at columns of working points
 
 
 class DurabilityError(PushbeltError, ValueError):
@@ -83,10 +82,10 @@ class Table:
             raise DurabilityError(f"{self.path}, line {self.lines[row]:.0f}, column {column}: {why(row)}")
 
 
-def read(path: Path, kilometres: bool = True, profile: bool = False, solve: Solve | None = None) -> Table:
+def read(path: Path, kilometres: bool = True, profile: bool = False, solve: Solve = dict) -> Table:
     """Reads a table. With `kilometres` it must have the column distance, unless it is a collective. With `profile`, or without the outputs of the
-    cycles, the stress along the ring is read. A collective without stress is one of working points, for which `solve` is required. Raises
-    DurabilityError for faults of the file and points without a steady state, and OSError if the file cannot be read."""
+    cycles, the stress along the ring is read. A collective without stress is one of working points, which `solve` solves. Raises DurabilityError
+    for faults of the file, and OSError if the file cannot be read."""
     try:
         sheet = sheets.read(path, COLUMNS, misspelled=False)
         field = [title for title in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", split(title)[0])]
@@ -106,27 +105,11 @@ def read(path: Path, kilometres: bool = True, profile: bool = False, solve: Solv
     values = {name: column for name, column in sheet.values.items() if not counted or name not in STRESSES}
     along = np.column_stack([values.pop(name) for name in places]) if counted else None
     if HOURS in values:
-        values = _outputs(sheet, solve) if solved else values
-        values["time"] = np.cumsum(values[HOURS])
+        values = {**(solve(values) if solved else values), HOURS: values[HOURS], "time": np.cumsum(values[HOURS])}
         values.pop("distance", None)
     table = Table(path, values, sheet.lines.astype(float), along, hashlib.sha256(path.read_bytes()).hexdigest())
     _check_course(table)
     return table
-
-
-def _outputs(sheet: Sheet, solve: Solve | None) -> dict[str, Array]:
-    """The hours and the outputs in the steady states of a collective of working points."""
-    if solve is None:
-        raise DurabilityError(f"{sheet.path} is a collective of working points, whose steady states have not been solved")
-    found = []
-    with progress_bar(len(sheet), "steady states") as bar:
-        for line, *point in zip(sheet.lines, *(sheet.values[name] for name in POINT), strict=True):
-            try:
-                found.append(solve(*map(float, point)))
-            except PushbeltError as error:
-                raise DurabilityError(f"{sheet.path}, line {line}: {error}") from error
-            bar.update(1)
-    return {name: np.array([one[name] for one in found]) for name in COLUMNS if name in found[0]} | {HOURS: sheet.values[HOURS]}
 
 
 def _complete(sheet: Sheet, places: list[str], counted: bool, required: list[str]) -> None:
