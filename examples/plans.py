@@ -2,10 +2,10 @@
 
     PYTHONPATH=python python examples/plans.py [rigs, 20]
 
-A rig varies friction of the pulleys, friction of the ring and play within twice their known deviations. Four points are planned for the parameter set
-`bench168` with the lowest friction of these, and six more for the fit of the four. The grid has five ratios, three torques and two forces within the same limits; its largest torque is 0.65
-of the capacity of `bench168` at the lower force and the highest ratio, and the speed is 200 rad/s. All values have the noise of the standard deviations
-that the tables state.
+A rig varies friction of the pulleys, friction of the ring and play within twice their known deviations. Four points are planned for the parameter
+set `bench168` with the lowest friction of these, and six more for the fit of the four. The grid has five ratios, three torques and two forces within
+the same limits, at 200 rad/s; its largest torque is 0.65 of the capacity of `bench168` at the lower force and the highest ratio. All values have the
+noise of the standard deviations that the tables state.
 """
 
 import dataclasses

@@ -127,7 +127,7 @@ def read(path: Path) -> tuple[Trace, dict[str, str | None]]:
     if wrong := next((k for k, row in enumerate(rows, 2) if len(row) != len(units)), None):
         raise CompareError(f"{path} is not a table of numbers: line {wrong} has not {len(units)} cells, as its header has")
     # A cell that is no number is NaN.
-    values = np.genfromtxt(["\t".join(row) for row in rows], delimiter="\t", comments=None).reshape(len(rows), -1)
+    values = np.genfromtxt(["\t".join(row) for row in rows], delimiter="\t", comments="\0").reshape(len(rows), -1)
     columns = {name: values[:, k] for k, name in enumerate(units) if np.isfinite(values[:, k]).any()}
     time = columns.pop(TIME, None)
     if time is None or not np.isfinite(time).all() or not (np.diff(time) > 0.0).all():
