@@ -13,9 +13,9 @@ from .arguments import checks, kind, lists, mapping, number, optional, refused
 from .errors import ArgumentError, PushbeltError, package, warn
 from .fmu import capacity
 from .fmu import unit as calls
+from .fmu.bands import DEVIATION, bands, increased
 from .fmu.closing import closed_by, closing_at
 from .fmu.data import clamping_force, parameter_deviations, pitch_radius, torque_capacity
-from .fmu.bands import DEVIATION, bands, increased
 from .fmu.results import Bands, SteadyState, dataframe, item
 from .fmu.start_values import StartValueError, Variables, checked
 from .fmu.steady import SteadyStates, driven_by_torque
@@ -229,7 +229,8 @@ class WorkingPoints:
     def _changed(self, values: Values, point: Point, changes: Mapping[str, float]) -> dict[str, Any]:
         """Start values of a steady state with changes of parameters, within their ranges, and of the point."""
         of_point = {name: getattr(point, name) + more for name, more in changes.items() if name in Point._fields}
-        values, there = {**values, **increased(self._declared, values, {name: changes[name] for name in changes.keys() - of_point.keys()})}, point._replace(**of_point)
+        others = {name: more for name, more in changes.items() if name not in of_point}
+        values, there = {**values, **increased(self._declared, values, others)}, point._replace(**of_point)
         held = driven_by_torque(values, there.ratio, there.speed, there.torque, there.force)
         return checked(self._declared, {**held, "initial.equilibrium": False})
 
@@ -248,7 +249,8 @@ class WorkingPoints:
                 item(values, name, "variator", "parameter")
         variables = list(dict.fromkeys(name for rates in columns.values() for name in rates))
         found = self._states.at(self._changed(values, point, {})).gradient(variables)
-        units = {one["name"]: one["unit"] for one in (*found["outputs"], *found["variables"])} | dict(zip(Point._fields, ("1", "N.m", "rad/s", "N"), strict=True))
+        units = {one["name"]: one["unit"] for one in (*found["outputs"], *found["variables"])}
+        units |= dict(zip(Point._fields, ("1", "N.m", "rad/s", "N"), strict=True))
         slopes = dataframe(found["gradient"]).astype(float).set_axis(variables, axis="columns").set_axis([one["name"] for one in found["outputs"]])
         table = dataframe({name: sum(rate * slopes[of] for of, rate in rates.items()) for name, rates in columns.items()})
         if hold != "ratio":

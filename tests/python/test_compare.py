@@ -1,5 +1,6 @@
 """Comparison of two runs: pairs of files, differences, and the report."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import reports
 from conftest import CHEAP
 
 from pushbelt import Variator, parameter_set
-from pushbelt.compare import __main__, report, runs
+from pushbelt.compare import __main__, report, runs, sets
 from pushbelt.tables import titles
 from pushbelt.tables import write as write_table
 
@@ -134,3 +135,45 @@ def test_the_report_shows_both_runs(fmu: Path, tmp_path: Path) -> None:
     rows = pd.read_csv(tmp_path / "out" / "differences.csv", keep_default_na=False)
     assert list(zip(rows["column"], rows["unit"], strict=True)) == [("slip", ""), ("primary.torque", "N.m"), ("secondary.speed", "rpm")]
     assert rows["largest [SI]"][0] == pytest.approx(0.25)
+
+
+def calibrated(path: Path, **values: tuple[float, float | None]) -> Path:
+    """A parameter set with values and half-widths of their intervals."""
+    entries = {name: {"value": value} | ({"interval95": [value - half, value + half]} if half else {}) for name, (value, half) in values.items()}
+    path.write_text(json.dumps({"parameters": entries}), encoding="utf-8")
+    return path
+
+
+def test_sets_agree_if_no_difference_exceeds_the_largest_of_so_many(tmp_path: Path) -> None:
+    """In standard deviations, 1.96 of which are the half of an interval. Of one difference 1.96 may be chance, of two 2.24."""
+    for sizes, agree in (((2.0,), False), ((2.0, 0.1), True), ((2.3, 0.1), False)):
+        names = "ab"[: len(sizes)]
+        a = calibrated(tmp_path / "a.json", **dict.fromkeys(names, (1.0, 0.3 * 1.959964)))
+        b = calibrated(tmp_path / "b.json", **{name: (1.0 + 0.5 * size, 0.4 * 1.959964) for name, size in zip(names, sizes, strict=True)})
+        found = sets.differences(a, b)
+        assert [row.relative for row in found] == pytest.approx(sizes, rel=1e-5)
+        assert sets.verdict(found).startswith("the sets agree" if agree else "the sets differ in a:")
+
+
+def test_the_report_of_two_sets(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Values without intervals are compared as such, and equal sets need no report."""
+    a, out = calibrated(tmp_path / "a.json", mu=(0.09, 0.002), play=(2e-4, None)), tmp_path / "out"
+    b = calibrated(tmp_path / "b.json", mu=(0.0905, 0.002), play=(3e-4, 1e-5), more=(1.0, None))
+    assert __main__.main([str(a), str(a), "--output", str(out)]) == 0 and not out.exists()
+    assert __main__.main([str(a), str(b), "--output", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "equal in all 2 common parameters" in said and "agree within their intervals" in said and "1 of 1 values" in said
+    assert "agree within their intervals" in (out / "report.html").read_text(encoding="utf-8")
+    rows = pd.read_csv(out / "differences.csv")
+    assert rows["difference [SI]"].tolist() == pytest.approx([5e-4, 1e-4]) and np.isnan(rows["deviation [SI]"][1])
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [("[1]", "not a parameter set"), ('{"parameters": {"mu": {"value": 1, "interval95": [2, 1]}}}', "interval95"), ('{"parameters": {}}', "in common")],
+)
+def test_what_is_no_set_is_an_error(text: str, why: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "b.json").write_text(text, encoding="utf-8")
+    assert __main__.main([str(calibrated(tmp_path / "a.json", mu=(0.09, 0.002))), str(tmp_path / "b.json")]) == 1
+    said = capsys.readouterr().err
+    assert why in said and said.count("\n") == 1

@@ -158,6 +158,19 @@ def test_classes_share_all_damage(tmp_path: Path) -> None:
         assert len(shares) >= 3 and sum(shares) == pytest.approx(1.0)
 
 
+def test_rows_of_a_collective_have_hours(tmp_path: Path) -> None:
+    """The life is that of as many repetitions, in any unit of time, and needs no distance."""
+    columns = {name: column[1:4] for name, column in run(amplitude=4e8, mean=5e8).items() if name not in ("time", "distance")}
+    found = computed(tmp_path / "a.csv", columns | {"hours": np.array([1.0, 0.0, 2.0])})
+    turns = 10.0 * 3.0 * 3600.0 / LENGTH
+    assert (found.turns.sum(), found.total) == (pytest.approx(turns), pytest.approx(turns * (4.0 / 3.0) ** 8 / 1e6))
+    assert found.life(found.total) == (pytest.approx(3.0 / found.total), None)
+    assert computed(tmp_path / "b.csv", columns | {"hours [min]": np.array([60.0, 0.0, 120.0])}).total == pytest.approx(found.total)
+    for hours, why in (([1.0, -1.0, 1.0], "line 3, column hours: -1 h is below 0"), ([0.0] * 3, "column hours: the sum is 0")):
+        with pytest.raises(DurabilityError, match=why):
+            computed(tmp_path / "c.csv", columns | {"hours": np.array(hours)})
+
+
 # With the FMU
 
 CYCLES = [name.format(pulley) for name in (AMPLITUDE, MEAN) for pulley in PULLEYS]
@@ -175,6 +188,23 @@ def test_the_cycles_of_the_fmu_are_those_of_its_loop(fmu: Path, ratio: float) ->
         assert amplitude == pytest.approx(expected[0], rel=0.02)
         assert mean == pytest.approx(expected[1], abs=5e6)
     assert all(amplitude < 0.1 * first[0] for amplitude, _, _ in others)
+
+
+def test_a_collective_of_working_points_is_solved(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, out = tmp_path / "collective.csv", tmp_path / "out"
+    words = [str(path), "--fmu", str(fmu), "--output", str(out), "--safety", "3"]
+    path.write_text("i_geo,T_P [Nm],n_P [rpm],F_S [kN],hours\n0.5,40,2000,20,100\n2,60,1500,20,50\n", encoding="utf-8")
+    assert __main__.main(words) == 0
+    assert "repetitions" in capsys.readouterr().out
+    (entry,) = json.loads((out / "durability.json").read_text(encoding="utf-8"))["runs"]
+    assert entry["lifeRepetitions"] == pytest.approx(1.0 / entry["damage"]) == pytest.approx(entry["lifeHours"] / 150.0)
+    with Variator("bench168", fmu=fmu) as belt:
+        speeds = [belt.steady(i, t, speed=n * np.pi / 30.0, force=20e3)["ring.speed"] for i, t, n in ((0.5, 40.0, 2000.0), (2.0, 60.0, 1500.0))]
+    assert entry["revolutions"] == pytest.approx(3600.0 * (100.0 * speeds[0] + 50.0 * speeds[1]) / LENGTH)
+    reports.stands_alone(out / "report.html")
+    path.write_text(path.read_text(encoding="utf-8").replace("60,", "600,"), encoding="utf-8")
+    assert __main__.main(words) == 1
+    assert "ratio 2, 600 N·m" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("ratio", "torque", "force"), [(0.45, 0.0, 10e3), (0.45, 150.0, 30e3), (1.0, 60.0, 12e3)])

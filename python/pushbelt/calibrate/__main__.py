@@ -14,6 +14,9 @@ With the columns series and time, each series is a recorded shift and its rows a
 A solution takes about 0.01 s of processor time per point, the first one and one without a state near by 0.03 s. A fit takes about four
 solutions per point and parameter, and ten more. A speed ratio takes 1.5 times as long, a shift rate about fifteen times.
 
+--plan N writes the N points that narrow the intervals of the fitted parameters most to plan.csv, a table to fill in. They add to TABLE, if there is
+one, at the parameters of --variator. Their limits are those of TABLE or of --within.
+
 --hold-out SET scores a parameter set on the table instead, beside that of --variator; --set holds for both.
 
 Exit codes: 0 the model fits, 1 an error, 3 it does not fit (all files are written).
@@ -46,6 +49,7 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 SUSPECT = 1.5  # Root mean square of the residuals, in standard deviations, above which a fit is bad if a cause halves it
 MISFIT = 3  # Exit code of a bad fit
 ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
+PLANNED = 0.012  # Processor time of a steady state of a planned point, s
 SOLUTION = 0.008  # Processor time of a steady state near another one, s
 SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 15.0, 1.5, 4.0
 """Cost of a shift rate, of the search for a speed ratio, and of a sample of a recorded shift, in steady states."""
@@ -86,6 +90,9 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("table", type=Path, nargs="?", metavar="TABLE", help="the measured points")
     found.add_argument("--check", action="store_true", help="only print what is understood of the table, without a fit")
     found.add_argument("--hold-out", metavar="SET", help="no fit: score a parameter set on a table that it was not fitted to, a name or a file ….json")
+    found.add_argument("--plan", type=count, metavar="N", help="no fit: plan N points to be measured next; TABLE may be absent")
+    text = "limits of the planned points, SI: ratio.geometric, primary.speed, primary.torque or secondary.clampingForce"
+    found.add_argument("--within", type=limits, action="append", default=[], metavar="NAME=LOW:HIGH", help=text)
     found.add_argument("--template", type=Path, metavar="FILE", help="write an example table and exit")
     default = ",".join(parameters.DEFAULT)
     found.add_argument("--fit", type=wanted, default=dict.fromkeys(parameters.DEFAULT), metavar="NAME[=START],…",
@@ -114,6 +121,8 @@ def main(arguments: Sequence[str] | None = None) -> int | console.Done:
         options.template.write_text(columns.template(), encoding="utf-8")
         print(options.template.resolve())
         return 0
+    if options.table is None and options.plan is not None:
+        return _run(options, None)
     if options.table is None:
         raise TableError("a table is required; --template FILE writes an example")
     changes = _changes(options)
@@ -187,7 +196,7 @@ def sets(parameters: int) -> int:
     return 9 + ITERATIONS + 4 * parameters
 
 
-def _run(options: argparse.Namespace, rig: points.Rig) -> console.Done:
+def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     require("tables")  # The help needs no packages of the extras.
     from . import misfit, model, report
     from .fit import fit
@@ -197,6 +206,8 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> console.Done:
     variables = {variable.name: variable for variable in description.modelVariables}
     base = checked(variables, {**parameter_set(options.variator), **dict(options.set)}, {"parameter"})
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
+    if rig is None or options.plan is not None:
+        return _plan(options, fmu, base, chosen, rig.points if rig else [])
     laws = [misfit.friction_over(rig, options.friction_over, chosen)] if options.friction_over else []
     chosen += [law.size for law in laws]
     begin = time.perf_counter()
@@ -229,6 +240,24 @@ def _run(options: argparse.Namespace, rig: points.Rig) -> console.Done:
         print(f"  no steady state, not used: {lost.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return console.Done(0 if not found.misfit or options.accept_misfit else MISFIT, results)
+
+
+def _plan(options: argparse.Namespace, fmu: Path, base: dict[str, float], chosen: list[parameters.Parameter], table: list[points.Point]) -> console.Done:
+    """Plans points, writes them and prints the expected intervals."""
+    from . import model, plan
+
+    values = {**parameter_set("bench168"), **base}
+    places = plan.candidates(plan.limits(dict(options.within), values, table), values, table)
+    solutions = (1 + 2 * len(chosen)) * (len(table) + len(places))
+    seconds = solutions * PLANNED / options.workers
+    print(f"{len(places)} places, {len(chosen)} parameters: about {seconds:.0f} s on {options.workers} processors", file=sys.stderr)
+    with model.opened(fmu, base, [*table, *places], options.workers, solutions) as opened:
+        found = plan.plan(opened, len(table), chosen, values, options.plan)
+    options.output.mkdir(parents=True, exist_ok=True)
+    for line in plan.write(found, path := options.output / "plan.csv"):
+        print(f"  {line}")
+    print(path.resolve())
+    return console.Done(0, found)
 
 
 if __name__ == "__main__":

@@ -96,8 +96,10 @@ class Model:
         found, missing = np.abs(self.relative(states)), np.array([states[place].missing for place in self.values["point"]])
         return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
 
-    def slopes(self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found]) -> Array:
-        """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences. A steady
+    def slopes(
+        self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found], width: float = STEP
+    ) -> Array:
+        """Derivatives of the residuals with respect to the coordinates, one column per parameter: differences over `width` to both sides. A steady
         state may jump to another branch between two values of a parameter. Such a jump is not a slope. If the two one-sided slopes
         contradict each other, the smallest of both and their mean is used. A lost point has no slope."""
         carried, middle = [place for place, found in enumerate(base) if found.reason is None], self.column(base)
@@ -108,7 +110,7 @@ class Model:
             steps = []
             for k, parameter in enumerate(parameters):
                 low, high = parameter.bounds
-                inside = [step for step in (STEP, -STEP) if low <= at[k] + step <= high][side : side + 1]
+                inside = [step for step in (width, -width) if low <= at[k] + step <= high][side : side + 1]
                 steps.append(inside[0] if inside else np.nan)
                 values = {**fixed, **assign(parameters, at + steps[k] * (np.arange(len(at)) == k))} if inside else {}
                 jobs |= {(k, place): (values, self.points[place]) for place in carried if inside}

@@ -1,7 +1,7 @@
-"""Compares two runs, and writes a report and the differences.
+"""Compares two runs, or two calibrations, and writes a report and the differences.
 
-A and B are CSV files with a column `time`, or folders with such files, as written by demo and drive. If all values are equal, it writes no
-report.
+A and B are CSV files with a column `time`, or folders with such files, as written by demo and drive; or parameter sets ….json, as written by
+calibrate, whose differences are compared with their 95 % intervals. If all values are equal, it writes no report.
 """
 
 from __future__ import annotations
@@ -23,12 +23,14 @@ from . import runs
 def main(arguments: Sequence[str] | None = None) -> int:
     """Compares two runs, writes the report and prints its path. Runs that differ are not a failure of the program, equal ones need no report."""
     parser = program("compare", __doc__, "report.html and differences.csv", "the FMU, for its variables; it does not run", needed=False)
-    parser.add_argument("a", type=Path, metavar="A", help="result file, or folder of result files")
-    parser.add_argument("b", type=Path, metavar="B", help="result file or folder to compare with A")
+    parser.add_argument("a", type=Path, metavar="A", help="result file, folder of result files, or parameter set")
+    parser.add_argument("b", type=Path, metavar="B", help="what is compared with A")
     columns = "columns of the figures, in this order"
     parser.add_argument("--variables", type=lambda text: tuple(text.split(",")), default=(), metavar="A,B,…", help=columns)
     add_variator(parser)
     options = parser.parse_args(arguments)
+    if ".json" in (options.a.suffix, options.b.suffix):
+        return _sets(options.a, options.b, options.output)
     variables = described(options.fmu).modelVariables if options.fmu else ()
     pairs = runs.pairs(options.a, options.b, {one.name: one.unit for one in variables if one.unit})
     wanted = {name for pair in pairs for name in pair.names}
@@ -48,6 +50,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         worst = f", most in {differing[0].name}: {100.0 * differing[0].share:.3g} % of its range" if differing else ""
         print(f"  {pair.name}: {len(differing)} of {len(pair.names)} columns differ{worst}")
     print(path.resolve())
+    return 0
+
+
+def _sets(a: Path, b: Path, folder: Path) -> int:
+    """Compares two parameter sets."""
+    require("reports")
+    from . import report, sets
+
+    found = sets.differences(a, b)
+    if not any(row.size for row in found):
+        print(f"{a} and {b} are equal in all {len(found)} common parameters")
+        return 0
+    path = report.write_sets(found, (a, b), folder)
+    print(f"{sets.verdict(found)}\n{path.resolve()}")
     return 0
 
 

@@ -19,6 +19,7 @@ from pushbelt.report.charts import Chart, Series, stack
 from pushbelt.report.style import BLUE, ORANGE, in_figures
 
 from .runs import Pair
+from .sets import Difference, verdict
 
 MOST = 24  # Largest number of columns in the figures of a pair. The table has all columns.
 FIELD = "profile."  # Prefix of the names of fields along the belt
@@ -39,6 +40,15 @@ def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters
     shown = [(key, pair, overlay(pair, wanted, key), _belts(pair, key, parameters)) for key, pair in zip(keys, pairs, strict=True)]
     path = folder / "report.html"
     page.write_html("compare/compare.html.j2", {"pairs": shown, "most": MOST, "chosen": bool(wanted)}, path)
+    return path
+
+
+def write_sets(rows: Sequence[Difference], paths: Sequence[Path], folder: Path) -> Path:
+    """Writes report and differences of two parameter sets; returns the path of the report."""
+    folder.mkdir(parents=True, exist_ok=True)
+    header = ["parameter", "unit", *(f"{name} {tables.OF_A_VARIABLE}" for name in ("A", "B", "difference", "deviation")), "difference/deviation [1]"]
+    tables.write(folder / "differences.csv", header, rows)
+    page.write_html("compare/sets.html.j2", {"rows": rows, "paths": paths, "verdict": verdict(rows)}, path := folder / "report.html")
     return path
 
 

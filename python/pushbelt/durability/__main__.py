@@ -1,29 +1,38 @@
 """Computes the fatigue of the ring over runs, and writes a report.
 
-RUN.csv is a result of drive or any table of outputs in SI units, or the folder of a drive, of which the runs over the whole cycle are
+RUN is a result of drive or any table of outputs in SI units, or the folder of a drive, of which the runs over the whole cycle are
 taken. The damage of each run is Miner's sum over the cycles of the ring's stress, one on each pulley and revolution.
+
+A table with a column hours is a load collective: its rows are steady states that last so long, each with outputs, or with ratio.geometric,
+primary.torque, primary.speed and secondary.clampingForce, for which the FMU is solved.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
 from pushbelt.errors import require
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
+from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import belt_described
+from pushbelt.variator import Variator
 
-from .table import DurabilityError, read
+from .table import COLUMNS, POINT, DurabilityError, read
 
 DRIVES = ("fixed-safety-factor.csv", "slip-control.csv")  # Runs over the whole cycle in the folder of a drive
 
 
 @console.program("durability", "durability")
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = program("durability", __doc__, "report.html, durability.json and .csv", "the FMU, for its variables; it does not run", needed=False)
+    parser = program("durability", __doc__, "report.html, durability.json and .csv", "the FMU, for its variables and for collectives", needed=False)
     parser.add_argument("runs", type=Path, nargs="+", metavar="RUN", help="table of outputs, or folder of a drive")
     add_variator(parser, None)
     parser.add_argument("--hours", action="store_true", help="life in hours only: no column distance is required")
@@ -36,13 +45,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     steel, parameters = material(options), _parameters(options.fmu, options.variator)
     paths = [path for given in options.runs for path in _files(given)]
-    results = [damage(read(path, not options.hours, options.profile), steel, parameters) for path in paths]
+    results = [damage(read(path, not options.hours, options.profile, partial(_solved, options)), steel, parameters) for path in paths]
     options.output.mkdir(parents=True, exist_ok=True)
     path = report.write(results, options.output)
     for result in results:
         print(f"  {result.table.name}: {report.summary(result)}")
     print(path.resolve())
     return 0
+
+
+def _solved(options: argparse.Namespace, points: Mapping[str, Array]) -> dict[str, Array]:
+    """Outputs in the steady states of working points. Raises SteadyStateError for the first one that has none."""
+    with Variator(options.variator or "bench168", fmu=options.fmu) as belt:
+        rows = zip(*(points[name].tolist() for name in POINT), strict=True)
+        states = [belt.steady(ratio, torque, speed=speed, force=force).outputs for ratio, torque, speed, force in rows]
+    return {name: np.array([state[name] for state in states]) for name in COLUMNS if name in states[0]}
 
 
 def _files(path: Path) -> list[Path]:

@@ -68,10 +68,8 @@ class Damage:
     def __init__(self, table: Table, material: Material, parameters: Mapping[str, float], parts: Mapping[str, Cycles]) -> None:
         """`parameters` of the variator by name, with geometry.beltLength; `parts`: cycles of a revolution by name."""
         self.table, self.material, self.parameters, self.parts = table, material, parameters, parts
-        half = 0.5 * np.diff(table["time"])
-        weights = np.append(half, 0.0) + np.append(0.0, half)
-        # Revolutions of the ring that belong to each row, by the trapezoidal rule.
-        self.turns = weights * np.abs(table["ring.speed"]) / parameters["geometry.beltLength"]
+        # Revolutions of the ring that belong to each row.
+        self.turns = table.times * np.abs(table["ring.speed"]) / parameters["geometry.beltLength"]
         equivalent = {name: material.equivalent(part.amplitude, part.mean) for name, part in parts.items()}
         # Largest equivalent amplitude of each part at each row, Pa, and the largest of all while the ring turns, relative to the fatigue limit.
         self.equivalent = {name: one.max(axis=1) for name, one in equivalent.items()}

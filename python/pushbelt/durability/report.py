@@ -27,7 +27,7 @@ ESTIMATED = ("factor", "damage", "damageWithoutLimit", "utilisation")  # Names o
 MOST_POINTS = 1500  # Largest number of points of a cloud. The largest amplitudes are among them
 UNITS = {
     "duration": "s", "distance": "m", "revolutions": "1", "damage": "1", "damageWithoutLimit": "1", "utilisation": "1",
-    "lifeHours": "h", "lifeKilometres": "km", "strength": "Pa", "limit": "Pa", "knee": "1", "slope": "1", "safety": "1",
+    "lifeHours": "h", "lifeKilometres": "km", "lifeRepetitions": "1", "strength": "Pa", "limit": "Pa", "knee": "1", "slope": "1", "safety": "1",
     "geometry.beltLength": "m",
 }  # fmt: skip
 
@@ -124,7 +124,7 @@ def write(results: Sequence[Damage], folder: Path) -> Path:
         "runs": [(result, clamping(result)) for result in results], "material": results[0].material, "document": document,
         "life": _life, "over_time": over_time, "haigh": haigh, "ratio_torque": ratio_torque, "clamping": of_clamping,
     }  # fmt: skip
-    page.write_html("durability/durability.html.j2", context, folder / "report.html", short=short)
+    page.write_html("durability/durability.html.j2", context, folder / "report.html")
     return folder / "report.html"
 
 
@@ -135,20 +135,13 @@ def summary(result: Damage) -> str:
     return f"damage {result.total:.3g}, life {_life(result, result.total)}, {used}"
 
 
-def short(value: float) -> str:
-    """A number with three significant digits."""
-    if not math.isfinite(value):
-        return "∞"
-    if 1e3 <= abs(value) < 1e7:
-        return page.number(float(f"{value:.3g}"))
-    return f"{value:.3g}".replace("e+0", "e").replace("e+", "e").replace("-", page.MINUS)
-
-
 def _life(result: Damage, damage: float) -> str:
     hours, kilometres = result.life(damage)
     if not math.isfinite(hours):
         return "unlimited"
-    return f"{short(hours)} h" if kilometres is None else f"{short(kilometres)} km"
+    if result.table.collective:
+        return f"{page.short(hours)} h, {page.short(1.0 / damage)} repetitions"
+    return f"{page.short(hours)} h" if kilometres is None else f"{page.short(kilometres)} km"
 
 
 def _entry(result: Damage) -> dict[str, Any]:
@@ -160,7 +153,7 @@ def _entry(result: Damage) -> dict[str, Any]:
         "geometry.beltLength": result.parameters["geometry.beltLength"],
         "duration": table.duration, "distance": table.distance, "revolutions": float(result.turns.sum()),
         "damage": result.total, "damageWithoutLimit": result.total_without_limit, "utilisation": result.utilisation,
-        "lifeHours": hours, "lifeKilometres": kilometres,
+        "lifeHours": hours, "lifeKilometres": kilometres, "lifeRepetitions": 1.0 / result.total if result.total else None,
         "sharesWithLimit": result.limited,
         "shares": {name: result.share(part=name) for name in parts}
         | {f"{kind}: {name}": result.share(rows) for kind, name, rows in classes},

@@ -1,10 +1,12 @@
-"""The table of outputs: in SI units or with units in its header, with the names of the FMU's outputs. Errors are reported by line and column."""
+"""The table of outputs: in SI units or with units in its header, with the names of the FMU's outputs; or a load collective, whose rows have hours.
+Errors are reported by line and column."""
 
 from __future__ import annotations
 
 import hashlib
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +15,15 @@ from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 from pushbelt.tables import sheet as sheets
 from pushbelt.tables import split
+from pushbelt.tables.columns import CONDITIONS
 from pushbelt.tables.names import Column
 from pushbelt.tables.sheet import Sheet, TableError
+from pushbelt.tables.units import usual
 
 PULLEYS = ("primary", "secondary")
 AMPLITUDE, MEAN = "ring.stressAmplitude.{}", "ring.stressMean.{}"
 FIELD = "profile.ringStress"
+HOURS = "hours"
 BACK = 1.0  # Largest decrease of the distance in a step, m: a car that rolls back at a standstill.
 GAP = 10.0  # A step longer than this multiple of the median step is a gap.
 STRESS = Column("stress", -1e11, 1e11, "stress along the ring", (), "Pa")
@@ -35,8 +40,14 @@ COLUMNS: Mapping[str, Column] = {
     "primary.shaftTorque": Column("torque", -1e6, 1e6, "torque of the belt on the primary pulley", (), "N.m"),
     "primary.torque": Column("torque", -1e4, 1e4, "torque on the primary shaft", (), "N.m"),
     **{f"{p}.radius": Column("length", 0.001, 10.0, f"running radius on the {p} pulley", (), "m") for p in PULLEYS},
+    HOURS: Column("time", 0.0, 1e10, "time in the state of the row", ("duration", "Stunden", "Dauer", "heures", "durée"), "h"),
 }
-"""Columns that are read. Those without a unit are in SI units."""
+"""Columns that are read. Those without a unit are in SI units, and hours in h."""
+POINT = ("ratio.geometric", "primary.torque", "primary.speed", "secondary.clampingForce")  # Columns of a working point
+RATIO = replace(CONDITIONS[POINT[0]], aliases=CONDITIONS[POINT[0]].aliases + CONDITIONS["ratio.speed"].aliases)
+OF_POINTS: Mapping[str, Column] = {**{name: CONDITIONS[name] for name in POINT}, POINT[0]: RATIO, HOURS: COLUMNS[HOURS]}
+"""Columns of a collective of working points, with the names and units of a rig. A ratio of speeds counts as the geometric one."""
+Solve = Callable[[Mapping[str, Array]], dict[str, Array]]  # Outputs in the steady states at columns of working points
 
 
 class DurabilityError(PushbeltError, ValueError):
@@ -51,7 +62,11 @@ class Table:
         of both pulleys are used; `identity`: SHA-256 of the file."""
         self.path, self.columns, self.lines, self.field, self.identity = path, columns, lines, field, identity
         self.name = f"{path.parent.name}/{path.stem}" if path.parent.name else path.stem
-        self.duration = float(np.ptp(columns["time"]))  # s
+        self.collective = HOURS in columns
+        half = 0.5 * np.diff(columns["time"])
+        # Time that belongs to each row, s: that of a collective, or by the trapezoidal rule.
+        self.times = columns[HOURS] if self.collective else np.append(half, 0.0) + np.append(0.0, half)
+        self.duration = float(self.times.sum())
         driven = columns.get("distance")
         self.distance = None if driven is None else float(driven[-1] - driven[0])  # m
         # With which the primary shaft drives the belt, N·m.
@@ -67,9 +82,10 @@ class Table:
             raise DurabilityError(f"{self.path}, line {self.lines[row]:.0f}, column {column}: {why(row)}")
 
 
-def read(path: Path, kilometres: bool = True, profile: bool = False) -> Table:
-    """Reads a table. With `kilometres` it must have the column distance. With `profile`, or without the outputs of the cycles,
-    the stress along the ring is read. Raises DurabilityError for faults of the file, and OSError if the file cannot be read."""
+def read(path: Path, kilometres: bool = True, profile: bool = False, solve: Solve = dict) -> Table:
+    """Reads a table. With `kilometres` it must have the column distance, unless it is a collective. With `profile`, or without the outputs of the
+    cycles, the stress along the ring is read. A collective without stress is one of working points, which `solve` solves. Raises DurabilityError
+    for faults of the file, and OSError if the file cannot be read."""
     try:
         sheet = sheets.read(path, COLUMNS, misspelled=False)
         field = [title for title in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", split(title)[0])]
@@ -77,24 +93,31 @@ def read(path: Path, kilometres: bool = True, profile: bool = False) -> Table:
         places = [f"{FIELD}[{k}]" for k in range(1, len(field) + 1)] if counted else []
         if counted:
             sheet = sheets.read(path, {**COLUMNS, **dict.fromkeys(places, STRESS)}, misspelled=False)
+        points = sheet if counted or sheet.taken.keys() & {"ring.speed", *STRESSES} else sheets.read(path, OF_POINTS, misspelled=False)
+        solved = points is not sheet and HOURS in points.taken
+        sheet = points if solved else sheet
         sheet.check()
     except TableError as error:
         raise DurabilityError(str(error)) from error
-    _complete(sheet, places, counted, kilometres)
+    stresses = (places or [f"{FIELD}[1]"]) if counted else [*STRESSES]
+    required = [*POINT] if solved else ["ring.speed", *stresses]
+    _complete(sheet, places, counted, [*required, HOURS] if HOURS in sheet.taken else ["time", *required, *["distance"] * kilometres])
     values = {name: column for name, column in sheet.values.items() if not counted or name not in STRESSES}
     along = np.column_stack([values.pop(name) for name in places]) if counted else None
+    if HOURS in values:
+        values = {**(solve(values) if solved else values), HOURS: values[HOURS], "time": np.cumsum(values[HOURS])}
+        values.pop("distance", None)
     table = Table(path, values, sheet.lines.astype(float), along, hashlib.sha256(path.read_bytes()).hexdigest())
     _check_course(table)
     return table
 
 
-def _complete(sheet: Sheet, places: list[str], counted: bool, kilometres: bool) -> None:
+def _complete(sheet: Sheet, places: list[str], counted: bool, required: list[str]) -> None:
     """Checks that the required columns are there, and that each row has all values."""
-    required = ["time", "ring.speed", *((places or [f"{FIELD}[1]"]) if counted else STRESSES), *["distance"] * kilometres]
     text = ""
     if missing := [name for name in required if name not in sheet.taken]:
-        known = [(name, COLUMNS.get(name, STRESS)) for name in missing]
-        text = ", line 1: no column " + ", ".join(f"{name} ({one.meaning}, {one.default or '1'})" for name, one in known)
+        known = [(name, {**CONDITIONS, **COLUMNS}.get(name, STRESS)) for name in missing]
+        text = ", line 1: no column " + ", ".join(f"{name} ({one.meaning}, {one.default or usual(one.dimension)[0]})" for name, one in known)
         text += "; a life in kilometres needs it, --hours gives the life in hours" * (missing == ["distance"])
     elif counted and len(places) < 8:
         text = f", line 1: {len(places)} columns {FIELD}[…]; a closed loop has at least 8 places"
@@ -102,14 +125,20 @@ def _complete(sheet: Sheet, places: list[str], counted: bool, kilometres: bool) 
         text = f", {sheet.left_out[0]}"
     elif empty := next((name for name, column in sheet.values.items() if np.isnan(column).any()), None):
         text = f", line {sheet.lines[np.argmax(np.isnan(sheet.values[empty]))]}, column {empty}: the cell is empty"
-    elif len(sheet) < 2:
+    elif len(sheet) < 2 and HOURS not in required:
         text = f": {len(sheet)} rows below the header; a run has at least 2"
+    elif HOURS in required and (bad := sheet.values[HOURS] < 0.0).any():
+        text = f", line {sheet.lines[np.argmax(bad)]}, column {HOURS}: {sheet.values[HOURS][np.argmax(bad)] / 3600.0:g} h is below 0"
+    elif HOURS in required and not sheet.values[HOURS].any():
+        text = f", column {HOURS}: the sum is 0"
     if text:
         raise DurabilityError(f"{sheet.path}{text}")
 
 
 def _check_course(table: Table) -> None:
     """Times ascend without a gap, and the distance does not jump back."""
+    if table.collective:
+        return
     time = table["time"]
     steps = np.diff(time, prepend=time[0] - 1.0)
     table.refuse(steps <= 0.0, "time", lambda row: f"{time[row]:g} s is not after {time[row - 1]:g} s")
