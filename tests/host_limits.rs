@@ -4,7 +4,7 @@
 
 use pushbelt::fmi::Version;
 use pushbelt_support::shared_library::{ERROR, Functions, Library, OK, WARNING, count, reference, token};
-use std::ffi::CString;
+use std::ffi::CStr;
 use std::process::Command;
 use std::ptr::{null, null_mut};
 use std::thread;
@@ -13,33 +13,25 @@ use std::thread;
 /// whose need was not measured, inlines less.
 const STACK: u32 = if cfg!(debug_assertions) { 1024 } else { 320 };
 
-/// What a host knows from the model description: token and value references.
-struct Description {
-    guid: CString,
-    /// Ring, mode of the solver.
-    choices: [u32; 2],
-    spatial: u32,
-    torque: u32,
-    output: u32,
-}
-
-/// The life of an instance: start, linear model, steps, a stored state as bytes.
-fn life(f: &Functions, of: &Description, choices: [i32; 2], spatial: bool) {
+/// The life of an instance: start, linear model, steps, a stored state as bytes. The host knows
+/// token and value references from the model description.
+fn life(f: &Functions, guid: &CStr, references: [u32; 5], choices: [i32; 2], is_spatial: bool) {
+    let [ring, mode, spatial, torque, output] = references;
     let (mut text, mut state, mut read, mut size, mut value) = (null_mut(), null_mut(), null_mut(), 0, 0.0);
     // SAFETY: valid strings, an instance that is not used any more when it is freed, and places for
     // the results.
     unsafe {
-        let c = (f.fmi2Instantiate)(c"variator".as_ptr(), 1, of.guid.as_ptr(), null(), null(), 0, 0);
-        assert_eq!((f.fmi2SetInteger)(c, of.choices.as_ptr(), 2, choices.as_ptr()), OK);
-        assert_eq!((f.fmi2SetBoolean)(c, &raw const of.spatial, 1, &spatial.into()), OK);
+        let c = (f.fmi2Instantiate)(c"variator".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0);
+        assert_eq!((f.fmi2SetInteger)(c, [ring, mode].as_ptr(), 2, choices.as_ptr()), OK);
+        assert_eq!((f.fmi2SetBoolean)(c, &raw const spatial, 1, &is_spatial.into()), OK);
         f.start(c);
         assert!([OK, WARNING].contains(&(f.pushbeltLinearize)(c, 100.0, &raw mut text)));
         (f.pushbeltFreeText)(text);
         for k in 0..10 {
-            let torque = 10.0 * f64::from(k % 3);
-            assert_eq!((f.fmi2SetReal)(c, &raw const of.torque, 1, &raw const torque), OK);
+            let load = 10.0 * f64::from(k % 3);
+            assert_eq!((f.fmi2SetReal)(c, &raw const torque, 1, &raw const load), OK);
             assert_eq!((f.fmi2DoStep)(c, 1e-3 * f64::from(k), 1e-3, 1), OK);
-            assert_eq!((f.fmi2GetReal)(c, &raw const of.output, 1, &raw mut value), OK);
+            assert_eq!((f.fmi2GetReal)(c, &raw const output, 1, &raw mut value), OK);
         }
         assert_eq!((f.fmi2GetFMUstate)(c, &raw mut state), OK);
         assert_eq!((f.fmi2SerializedFMUstateSize)(c, state, &raw mut size), OK);
@@ -59,18 +51,20 @@ fn life(f: &Functions, of: &Description, choices: [i32; 2], spatial: bool) {
 fn an_instance_fits_on_a_small_stack() {
     let library = Library::load();
     let f = &library.functions;
-    let description = Description {
-        guid: token(Version::Two),
-        choices: ["ring.model", "solver.mode"].map(reference),
-        spatial: reference("ring.spatial"),
-        torque: reference("primary.torque"),
-        output: reference("thrustRatio"),
-    };
+    let guid = token(Version::Two);
+    let names = [
+        "ring.model",
+        "solver.mode",
+        "ring.spatial",
+        "primary.torque",
+        "thrustRatio",
+    ];
+    let references = names.map(reference);
     let size = 1024 * count("PUSHBELT_STACK", STACK) as usize;
     for (choices, spatial) in [([1, 1], false), ([2, 1], false), ([2, 2], false), ([2, 1], true)] {
         thread::scope(|scope| {
             let host = thread::Builder::new().stack_size(size);
-            let host = host.spawn_scoped(scope, || life(f, &description, choices, spatial));
+            let host = host.spawn_scoped(scope, || life(f, &guid, references, choices, spatial));
             host.expect("a thread").join().expect("no panic");
         });
     }

@@ -1,4 +1,4 @@
-//! Starts: what can hardly be meant, start values in the resources.
+//! Starts: near another, not found, with start values in the resources.
 
 use crate::importer::{BOTH, Handles};
 use crate::variator::{Importer, reference};
@@ -8,28 +8,6 @@ use pushbelt::fmi::unit::Experiment;
 use pushbelt_library::extensions::pushbeltResetNear;
 use pushbelt_support::shared_library::{Library, OK, path};
 use std::fs;
-
-/// The log has what can hardly be meant, as a warning; a hopeless start is an error that names
-/// variable and value.
-#[test]
-fn implausible_loads_are_logged() {
-    let logged = |name: &str, value: f64, part: &str| {
-        let importer = Importer::coarse(BOTH[0], Handles::default());
-        importer.flag("initial.steady", true);
-        importer.put(name, value);
-        assert_eq!(importer.enter(Experiment::default()), Ok);
-        let status = importer.exit();
-        let messages = importer.record.messages.borrow();
-        let found = messages.iter().find(|message| message.text.contains(part));
-        let found = found.unwrap_or_else(|| panic!("{messages:?}")).clone();
-        (status, found.status, found.category, found.text)
-    };
-    let speed = logged("initial.primarySpeed", 2000.0, "initial.primarySpeed in rpm");
-    assert_eq!((speed.0, speed.1, &*speed.2), (Ok, 1, "logStatusWarning"));
-    let force = logged("secondary.clampingForce", 13.5, "secondary.clampingForce = 13.5 N");
-    assert_eq!((force.0, force.1, &*force.2), (Error, 3, "logStatusError"));
-    assert!(force.3.contains("kN"), "{}", force.3);
-}
 
 /// The steady start after `pushbeltResetNear` is that after a reset, with other last digits.
 #[test]

@@ -3,9 +3,10 @@
 use pushbelt::fmi::table::Value;
 use pushbelt::fmi::unit::{Experiment, Unit};
 use pushbelt::unit::{Settings, VariatorUnit, gradient};
-use pushbelt::variator::settings::{Axial, Drive, Parameters};
+use pushbelt::variator::settings::{Axial, Parameters};
 use pushbelt_support::load_cases::LoadCase;
-use pushbelt_support::variators::{MODELS, SPEED, chain, variator};
+use pushbelt_support::shared_library::reference;
+use pushbelt_support::variators::{MODELS, chain, variator};
 
 /// Laws and content; loads; geometry and speed.
 const VARIABLES: [&str; 14] = [
@@ -26,19 +27,15 @@ const VARIABLES: [&str; 14] = [
 ];
 const READ: [&str; 5] = ["thrustRatio", "slip", "efficiency", "loss.total", "primary.axialForce"];
 
-/// A steady start at a load case; with `held` false in equilibrium of both clamping forces.
-fn settings(parameters: &Parameters, case: &LoadCase, held: bool) -> Settings {
-    let mut found = Settings {
-        parameters: parameters.clone(),
-        ..Settings::default()
-    };
-    let (p, inputs) = (&mut found.parameters, &mut found.inputs);
-    (p.initial.steady, p.initial.ratio, p.secondary.drive) = (true, case.task().ratio, Drive::Speed);
-    (p.initial.equilibrium, p.primary.axial) = (!held, if held { Axial::Held } else { Axial::Force });
-    (inputs.primary.torque, inputs.secondary.clamping_force) = (case.torque, case.clamping);
+/// A steady start at a load case.
+fn settings(parameters: &Parameters, case: &LoadCase) -> Settings {
+    let (parameters, mut inputs) = case.start(parameters);
     inputs.primary.clamping_force = 1.2 * case.clamping;
-    inputs.secondary.speed_setpoint = SPEED / p.initial.ratio;
-    found
+    Settings {
+        parameters,
+        inputs,
+        ..Settings::default()
+    }
 }
 
 fn started(settings: &Settings, near: Option<&VariatorUnit>) -> VariatorUnit {
@@ -50,8 +47,30 @@ fn started(settings: &Settings, near: Option<&VariatorUnit>) -> VariatorUnit {
     unit.expect("a start")
 }
 
-fn answer(unit: &mut VariatorUnit, settings: &Settings, references: &[u32]) -> serde_json::Value {
-    serde_json::from_str(&gradient(unit, settings, references).expect("a gradient")).expect("JSON")
+struct Gradient(serde_json::Value);
+
+impl Gradient {
+    fn new(unit: &mut VariatorUnit, settings: &Settings, variables: &[&str]) -> Self {
+        let references: Vec<u32> = variables.iter().map(|name| reference(name)).collect();
+        let text = gradient(unit, settings, &references).expect("a gradient");
+        Self(serde_json::from_str(&text).expect("JSON"))
+    }
+
+    fn row(&self, output: &str) -> usize {
+        let mut outputs = self.0["outputs"].as_array().expect("outputs").iter();
+        outputs.position(|one| one["name"] == output).expect("an output")
+    }
+
+    fn value(&self, output: &str) -> f64 {
+        let found = &self.0["outputs"][self.row(output)];
+        found["value"].as_f64().expect("a value")
+    }
+
+    /// Over the variable of index `k`; not a number where there is none.
+    fn derivative(&self, output: &str, k: usize) -> f64 {
+        let found = &self.0["gradient"][self.row(output)][k];
+        found.as_f64().unwrap_or(f64::NAN)
+    }
 }
 
 /// Central differences of solved states over 0.1 % of each variable. Of entries above 1 % of the
@@ -59,96 +78,63 @@ fn answer(unit: &mut VariatorUnit, settings: &Settings, references: &[u32]) -> s
 #[test]
 fn a_gradient_is_that_of_solved_states() {
     let table = VariatorUnit::table();
-    let variables = VARIABLES.map(|name| table.by_name(name).expect("a variable"));
-    let references = variables.map(|variable| variable.reference);
     for parameters in [variator(MODELS[0]), variator(MODELS[1]), chain(MODELS[1])] {
         let mut errors = Vec::new();
         for case in LoadCase::three(&parameters, 50.0) {
-            let settings = settings(&parameters, &case, true);
+            let settings = settings(&parameters, &case);
             let mut unit = started(&settings, None);
-            let found = answer(&mut unit, &settings, &references);
-            assert_eq!(found["held"], "ratio");
+            let found = Gradient::new(&mut unit, &settings, &VARIABLES);
+            assert_eq!(found.0["held"], "ratio");
             let mut rows = READ.map(|_| Vec::new());
-            for (k, variable) in variables.iter().enumerate() {
-                let value = found["variables"][k]["value"].as_f64().expect("a value");
+            for (k, name) in VARIABLES.into_iter().enumerate() {
+                let value = found.0["variables"][k]["value"].as_f64().expect("a value");
                 let [above, below] = [1e-3, -1e-3].map(|step| {
                     let (mut other, moved) = (settings.clone(), Value::Real(value * (1.0 + step)));
+                    let variable = table.by_name(name).expect("a variable");
                     variable.set(&mut other, moved).expect("a value");
-                    let mut unit = started(&other, Some(&unit));
-                    answer(&mut unit, &other, &[])
+                    Gradient::new(&mut started(&other, Some(&unit)), &other, &[])
                 });
-                for (i, output) in found["outputs"].as_array().expect("outputs").iter().enumerate() {
-                    if let Some(row) = READ.iter().position(|name| output["name"] == *name) {
-                        let read =
-                            |of: &serde_json::Value| of["outputs"][i]["value"].as_f64().expect("a value");
-                        let own = found["gradient"][i][k].as_f64().expect("a derivative");
-                        rows[row].push([value * own, (read(&above) - read(&below)) / 2e-3]);
-                    }
+                for (row, output) in rows.iter_mut().zip(READ) {
+                    let solved = (above.value(output) - below.value(output)) / 2e-3;
+                    row.push((name, value * found.derivative(output, k), solved));
                 }
             }
-            for (row, name) in rows.iter().zip(READ) {
-                let largest = row.iter().fold(0.0, |most: f64, [_, solved]| most.max(solved.abs()));
-                for (k, [own, solved]) in row
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, [_, one])| one.abs() > 1e-2 * largest)
-                {
+            for (row, output) in rows.iter().zip(READ) {
+                let largest = row.iter().fold(0.0, |most: f64, (.., solved)| most.max(solved.abs()));
+                for (name, own, solved) in row.iter().filter(|(.., solved)| solved.abs() > 1e-2 * largest) {
                     let error = (own / solved - 1.0).abs();
-                    assert!(
-                        error < 1e-2,
-                        "{name} over {}, {}: {own}, {solved}",
-                        VARIABLES[k],
-                        case.name
-                    );
+                    assert!(error < 1e-2, "{output} over {name}, {}: {own}, {solved}", case.name);
                     errors.push(error);
                 }
             }
         }
         errors.sort_by(f64::total_cmp);
-        let at = |share: f64| errors[(share * (errors.len() - 1) as f64) as usize];
-        assert!(at(0.5) < 2e-4, "{errors:?}");
+        let median = errors[(errors.len() - 1) / 2];
+        assert!(median < 2e-4, "{errors:?}");
     }
 }
 
 /// By the chain rule dy/dp at constant force F is ∂y/∂p − ∂y/∂i ∂F/∂p/(∂F/∂i) at constant ratio i.
 #[test]
 fn under_both_forces_the_ratio_follows() {
-    let table = VariatorUnit::table();
-    let references = VARIABLES.map(|name| table.by_name(name).expect("a variable").reference);
     let parameters = variator(MODELS[1]);
-    let free = settings(&parameters, &LoadCase::three(&parameters, 50.0)[1], false);
-    let found = answer(&mut started(&free, None), &free, &references);
-    assert_eq!(found["held"], "clamping forces");
-    let row = |name: &str| {
-        let outputs = found["outputs"].as_array().expect("outputs");
-        outputs
-            .iter()
-            .position(|output| output["name"] == name)
-            .expect("an output")
-    };
-    let mut held = free.clone();
-    (held.parameters.initial.equilibrium, held.parameters.primary.axial) = (false, Axial::Held);
-    held.parameters.initial.ratio = found["outputs"][row("ratio.geometric")]["value"]
-        .as_f64()
-        .expect("a ratio");
-    let other = answer(&mut started(&held, None), &held, &references);
-    let ratio = VARIABLES
-        .iter()
-        .position(|name| *name == "initial.ratio")
-        .expect("a variable");
-    let of = |all: &serde_json::Value, output: &str, k: usize| {
-        all["gradient"][row(output)][k].as_f64().expect("a derivative")
-    };
+    let mut held = settings(&parameters, &LoadCase::three(&parameters, 50.0)[1]);
+    let mut free = held.clone();
+    (free.parameters.initial.equilibrium, free.parameters.primary.axial) = (true, Axial::Force);
+    let found = Gradient::new(&mut started(&free, None), &free, &VARIABLES);
+    assert_eq!(found.0["held"], "clamping forces");
+    held.parameters.initial.ratio = found.value("ratio.geometric");
+    let other = Gradient::new(&mut started(&held, None), &held, &VARIABLES);
+    let ratio = VARIABLES.iter().position(|name| *name == "initial.ratio");
+    let ratio = ratio.expect("a variable");
     for output in READ {
         for (k, name) in VARIABLES.iter().enumerate().filter(|(k, _)| *k != ratio) {
-            let force = "primary.clampingForceTotal";
-            let [direct, by_ratio] = [
-                of(&other, output, k),
-                of(&other, output, ratio) * of(&other, force, k) / of(&other, force, ratio),
-            ];
-            let (own, size) = (of(&found, output, k), direct.abs() + by_ratio.abs());
+            let [of_ratio, of_variable] =
+                [ratio, k].map(|k| other.derivative("primary.clampingForceTotal", k));
+            let by_ratio = other.derivative(output, ratio) * of_variable / of_ratio;
+            let (own, direct) = (found.derivative(output, k), other.derivative(output, k));
             assert!(
-                (own - direct + by_ratio).abs() < 3e-3 * size,
+                (own - direct + by_ratio).abs() < 3e-3 * (direct.abs() + by_ratio.abs()),
                 "{output} over {name}: {own}, {direct} - {by_ratio}"
             );
         }
@@ -159,32 +145,24 @@ fn under_both_forces_the_ratio_follows() {
 #[test]
 fn a_gradient_is_refused_where_there_is_none() {
     let parameters = variator(MODELS[0]);
-    let case = LoadCase::three(&parameters, 50.0)[1];
-    let mut settings = settings(&parameters, &case, true);
+    let mut settings = settings(&parameters, &LoadCase::three(&parameters, 50.0)[1]);
     settings.parameters.belt.play = 0.0;
     let mut unit = started(&settings, None);
-    let table = VariatorUnit::table();
-    let of = |name: &str| table.by_name(name).expect("a variable").reference;
-    let found = answer(&mut unit, &settings, &[of("belt.play")]);
-    let outputs = found["outputs"].as_array().expect("outputs");
+    let found = Gradient::new(&mut unit, &settings, &["belt.play"]);
     for (name, is_defined) in [("slip", true), ("primary.idleArc", false), ("ring.tensionMax", false)] {
-        let row = outputs
-            .iter()
-            .position(|output| output["name"] == name)
-            .expect("an output");
-        assert_eq!(found["gradient"][row][0].is_f64(), is_defined, "{name}");
+        assert_eq!(found.derivative(name, 0).is_finite(), is_defined, "{name}");
     }
-    for (reference, part) in [(of("belt.kind"), "belt.kind"), (of("slip"), "slip"), (99_999, "99999")] {
-        let refused = gradient(&mut unit, &settings, &[reference]).expect_err("no gradient");
-        assert!(refused.contains(part), "{refused}");
+    let refused = |unit: &mut VariatorUnit, references: &[u32], part: &str| {
+        let reason = gradient(unit, &settings, references).expect_err("no gradient");
+        assert!(reason.contains(part), "{reason}");
+    };
+    for name in ["belt.kind", "slip"] {
+        refused(&mut unit, &[reference(name)], name);
     }
+    refused(&mut unit, &[99_999], "99999");
     let mut step = unit.begin(1e-3, &settings, None).expect("a step");
     unit.advance(1e-3, &mut step, &settings, &mut Vec::new())
         .expect("a step");
     unit.finish(&step, &mut Vec::new());
-    assert!(
-        gradient(&mut unit, &settings, &[])
-            .expect_err("no gradient")
-            .contains("before the first step")
-    );
+    refused(&mut unit, &[], "before the first step");
 }

@@ -131,25 +131,3 @@ fn each_setting_has_a_field_of_its_own() {
         }
     }
 }
-
-#[test]
-fn units_and_types_in_use_are_declared() {
-    let table = VariatorUnit::table();
-    for variable in table.variables() {
-        match &variable.kind {
-            Kind::Real {
-                unit, display_unit, ..
-            } => {
-                let declared = table.units.iter().find(|declared| declared.name == *unit);
-                let declared = declared.unwrap_or_else(|| panic!("{}: {unit}", variable.name));
-                if let Some(shown) = display_unit {
-                    assert!(declared.display.iter().any(|(name, _)| name == shown));
-                }
-            }
-            Kind::Enumeration { of, .. } => {
-                assert!(table.enumerations.iter().any(|declared| declared.name == of.name));
-            }
-            _ => {}
-        }
-    }
-}

@@ -10,7 +10,7 @@ use pushbelt::variator::settings::{
 };
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::disturbed::{TIME, assert_jacobian, disturbed, small};
-use pushbelt_support::run::{Run, assert_continues_alike, restored, started};
+use pushbelt_support::run::{Run, restored, started};
 use pushbelt_support::variators::{MODELS, coarse, inputs};
 
 /// An area with which forces from pressures have no rounding error, m².
@@ -298,25 +298,6 @@ fn a_pressure_without_an_area_is_warned_about_once() {
         "{first}"
     );
     assert_eq!(run.warnings("has no effect"), 1);
-}
-
-#[test]
-fn stored_states_have_cylinders_and_pressures() {
-    for mode in [Mode::Accurate, Mode::RealTime] {
-        let mut parameters = with(coarse(RingModel::Ale0), CYLINDER);
-        (parameters.solver.mode, parameters.solver.input_ramp) = (mode, -1.0);
-        let of = |k: u32| {
-            let forces = inputs((50.0, 13e3 + 500.0 * f64::from(k % 3)), (-49.0, 10e3));
-            (1e-3 * f64::from(k), by_pressure(forces, CYLINDER.area))
-        };
-        let mut variator = started(parameters.clone(), &of(0).1);
-        variator.advance(1e-3, &of(1).1).expect("a step");
-        let mut k = 1;
-        assert_continues_alike(&mut variator, parameters, |_| {
-            k += 1;
-            of(k)
-        });
-    }
 }
 
 /// A pressure acts as its force does, and the flow is that of the sheave's speed. The held point is

@@ -11,18 +11,12 @@ use pushbelt_support::checks::assert_close;
 use pushbelt_support::disturbed::{TIME, disturbed};
 use pushbelt_support::load_cases::clamping;
 use pushbelt_support::run::Run;
-use pushbelt_support::steady::{Steady, loaded, transmitting};
+use pushbelt_support::steady::{Steady, idling, transmitting};
 use pushbelt_support::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
 use std::f64::consts::TAU;
 
 /// 1 rpm, rad/s.
 const RPM: f64 = TAU / 60.0;
-
-/// Running without load at the secondary shaft: a ratio, a clamping force, N, a primary speed,
-/// rad/s.
-fn idling(parameters: &Parameters, ratio: f64, force: f64, speed: f64) -> Steady {
-    loaded(parameters, ratio, force, 0.0, speed)
-}
 
 /// Mean pull of a strand on the pulleys, N: tension less push force and less m v² of the belt's own
 /// mass. Segment 1 is the upper strand, 3 the lower one.

@@ -1,7 +1,7 @@
 //! Steady starts near one another: the same states for a fraction of the work.
 
 use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Axial, Drive, Inputs, Outputs, Parameters};
+use pushbelt::variator::settings::{Drive, Inputs, Outputs, Parameters};
 use pushbelt_support::checks::assert_close;
 use pushbelt_support::load_cases::LoadCase;
 use pushbelt_support::run::{restored, started};
@@ -25,17 +25,6 @@ const CHANGES: [Change; 8] = [
     },
 ];
 
-/// A steady start of a load case: the torque drives the primary pulley, whose sheave is held.
-fn start(parameters: &Parameters, case: &LoadCase) -> (Parameters, Inputs) {
-    let (mut p, mut inputs) = (parameters.clone(), Inputs::ZERO);
-    (p.initial.steady, p.initial.ratio, p.initial.primary_speed) = (true, case.task().ratio, SPEED);
-    (p.primary.axial, p.secondary.drive) = (Axial::Held, Drive::Speed);
-    inputs.primary.torque = case.torque;
-    inputs.secondary.clamping_force = case.clamping;
-    inputs.secondary.speed_setpoint = SPEED / p.initial.ratio;
-    (p, inputs)
-}
-
 fn near(other: &Variator, parameters: Parameters, inputs: &Inputs) -> Variator {
     let mut variator = Variator::new(parameters).expect("valid parameters");
     variator.start_near(other);
@@ -50,7 +39,7 @@ fn neighbours_are_found_from_one_another() {
     for parameters in [MODELS.map(variator).to_vec(), vec![chain(MODELS[1])]].concat() {
         let (mut jacobians, mut all, mut cold_all) = (Vec::new(), 0, 0);
         for case in LoadCase::three(&parameters, 50.0) {
-            let (parameters, inputs) = start(&parameters, &case);
+            let (parameters, inputs) = case.start(&parameters);
             let mut from = started(parameters.clone(), &inputs);
             let stored = restored(&mut from, parameters.clone());
             for (k, change) in CHANGES.into_iter().enumerate() {
@@ -89,13 +78,13 @@ fn neighbours_are_found_from_one_another() {
 fn far_from_a_neighbour_a_start_is_as_without() {
     let [parameters, pins] = [variator(MODELS[1]), chain(MODELS[1])];
     let [under, _, over] = LoadCase::three(&parameters, 50.0);
-    let (wanted, inputs) = start(&parameters, &over);
+    let (wanted, inputs) = over.start(&parameters);
     let without = started(wanted.clone(), &inputs);
     let mut unloaded = wanted.clone();
     unloaded.initial.steady = false;
     for (other, inputs_of_other) in [
-        start(&parameters, &under),
-        start(&pins, &LoadCase::three(&pins, 50.0)[2]),
+        under.start(&parameters),
+        LoadCase::three(&pins, 50.0)[2].start(&pins),
         (unloaded, inputs),
     ] {
         let found = near(&started(other, &inputs_of_other), wanted.clone(), &inputs);

@@ -186,19 +186,23 @@ fn the_result_does_not_depend_on_the_communication_step() {
 }
 
 /// Two equal runs agree to the last bit, and so do copies and stored states, while inputs ramp and
-/// with changed friction.
+/// with changed friction; also with cylinders under pressure.
 #[test]
 fn runs_and_snapshots_repeat_bit_for_bit() {
-    let mut real_time = coarse(RingModel::Ale);
+    let mut cylinders = coarse(RingModel::Ale);
+    for pulley in [&mut cylinders.primary, &mut cylinders.secondary] {
+        (pulley.cylinder.area, pulley.cylinder.spring_stiffness) = (0.012, 1.5e4);
+        (pulley.cylinder.centrifugal, pulley.cylinder.seal) = (0.01, 200.0);
+    }
+    let mut real_time = cylinders.clone();
     real_time.solver.mode = Mode::RealTime;
-    for mut parameters in MODELS
-        .map(coarse)
-        .into_iter()
-        .chain(MODELS.map(chain))
-        .chain([real_time])
-    {
+    for mut parameters in [MODELS.map(coarse), MODELS.map(chain), [cylinders, real_time]].concat() {
         parameters.solver.input_ramp = -1.0;
-        let of = |k: u32| inputs((50.0 + 30.0 * f64::from(k % 3), 13e3), (-49.0, 10e3));
+        let of = |k: u32| {
+            let mut given = inputs((50.0 + 30.0 * f64::from(k % 3), 13e3), (-49.0, 10e3));
+            given.primary.pressure = 4e4 * f64::from(k % 3);
+            given
+        };
         let [mut one, two] = [(); 2].map(|()| {
             let mut variator = started(parameters.clone(), &of(0));
             variator.set_friction(0.08, 0.03).expect("in range");

@@ -7,23 +7,19 @@ pub use pushbelt::stack::PushElements;
 use pushbelt::ring::mesh::gauss;
 use pushbelt::variator::settings::Parameters;
 
-#[must_use]
 pub fn belt() -> PushElements {
     Parameters::default().belt
 }
 
-#[must_use]
 pub fn contact() -> Contact {
     Parameters::default().contact
 }
 
-#[must_use]
 pub fn friction() -> Friction {
     Parameters::default().friction
 }
 
 /// cos β of the default variator.
-#[must_use]
 pub fn cos_beta() -> f64 {
     Parameters::default().geometry.wedge_angle.cos()
 }

@@ -1,9 +1,10 @@
 //! The nine load cases of steady states.
 
+use crate::variators::SPEED;
 use pushbelt::contact;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::variator::pulleys::loads::{Boundary, ShaftMode};
-use pushbelt::variator::settings::Parameters;
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Parameters};
 use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt::variator::system::VariatorSystem;
 
@@ -40,6 +41,17 @@ impl LoadCase {
 
     pub fn task(&self) -> SteadyTask {
         transmitted(ratio(self.theta), self.clamping, self.torque)
+    }
+
+    /// Its steady start: the torque drives the primary pulley, whose sheave is held.
+    pub fn start(&self, parameters: &Parameters) -> (Parameters, Inputs) {
+        let (mut p, mut inputs) = (parameters.clone(), Inputs::ZERO);
+        (p.initial.steady, p.initial.ratio, p.initial.primary_speed) = (true, ratio(self.theta), SPEED);
+        (p.primary.axial, p.secondary.drive) = (Axial::Held, Drive::Speed);
+        inputs.primary.torque = self.torque;
+        inputs.secondary.clamping_force = self.clamping;
+        inputs.secondary.speed_setpoint = SPEED / p.initial.ratio;
+        (p, inputs)
     }
 }
 

@@ -21,7 +21,6 @@ pub struct Meter {
 
 impl Meter {
     /// A meter that begins with the state of this variator.
-    #[must_use]
     pub fn new(variator: &Variator) -> Self {
         Self {
             before: counts(variator),

@@ -173,27 +173,11 @@ impl Functions {
 
 impl Functions3 {
     /// An instance without a function for messages.
-    #[must_use]
     pub fn instantiate(&self) -> Instance {
         let token = token(Three);
-        let (name, create) = (c"variator".as_ptr(), self.fmi3InstantiateCoSimulation);
+        let (name, token, create) = (c"variator".as_ptr(), token.as_ptr(), self.fmi3InstantiateCoSimulation);
         // SAFETY: valid strings, and null where it is allowed.
-        let c = unsafe {
-            create(
-                name,
-                token.as_ptr(),
-                null(),
-                0,
-                0,
-                0,
-                0,
-                null(),
-                0,
-                null_mut(),
-                None,
-                None,
-            )
-        };
+        let c = unsafe { create(name, token, null(), 0, 0, 0, 0, null(), 0, null_mut(), None, None) };
         assert!(!c.is_null());
         c
     }

@@ -99,10 +99,10 @@ pub fn turning(parameters: &Parameters, ratio: f64, force: f64, speeds: PerPulle
     steady(parameters, &given(ratio, Pulley::Primary, force), speeds)
 }
 
-/// The same at a primary speed, rad/s, with a torque on the secondary shaft, N·m, often none.
-pub fn loaded(parameters: &Parameters, ratio: f64, force: f64, torque: f64, speed: f64) -> Steady {
+/// The same at a primary speed, rad/s, without load at the secondary shaft.
+pub fn idling(parameters: &Parameters, ratio: f64, force: f64, speed: f64) -> Steady {
     let task = SteadyTask {
-        shaft: pair(ShaftMode::Torque(torque), ShaftMode::Fixed),
+        shaft: pair(ShaftMode::Torque(0.0), ShaftMode::Fixed),
         ..given(ratio, Pulley::Primary, force)
     };
     steady(parameters, &task, speeds(ratio, speed))

@@ -54,7 +54,6 @@ pub fn trace(
 
 impl Trace {
     /// Root mean squares of the differences from `exact`.
-    #[must_use]
     pub fn off(&self, exact: &Self) -> [f64; TRACKED.len()] {
         std::array::from_fn(|k| {
             let squares = self.rows.iter().zip(&exact.rows).map(|(a, b)| (a[k] - b[k]).powi(2));
@@ -62,7 +61,6 @@ impl Trace {
         })
     }
 
-    #[must_use]
     pub fn ranges(&self) -> [f64; TRACKED.len()] {
         std::array::from_fn(|k| {
             let column = || self.rows.iter().map(|row| row[k]);
@@ -71,7 +69,6 @@ impl Trace {
     }
 
     /// The first step in which the belt slips through.
-    #[must_use]
     pub fn first_slip(&self) -> Option<usize> {
         self.slipping.iter().position(|&slips| slips)
     }
