@@ -84,15 +84,6 @@ def test_outputs_are_arrays_over_all_steps(belt: variator.Variator) -> None:
         belt.step(1e-3)
 
 
-@pytest.mark.filterwarnings("error")
-def test_another_start_than_requested_gives_a_warning(fmu: Path) -> None:
-    over = {**COARSE, "primary.torque": 400.0, "secondary.torque": -400.0}
-    with variator.Variator("bench168", over, fmu=fmu) as belt, pytest.warns(pushbelt.VariatorWarning, match="beyond the capacity"):
-        belt.start()
-    with variator.Variator("bench168", COARSE, fmu=fmu) as belt:
-        belt.start()
-
-
 def test_a_steady_state_is_at_the_point_and_leaves_the_run(belt: variator.Variator) -> None:
     belt.step(1e-3)
     before = belt.outputs

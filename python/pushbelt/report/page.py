@@ -48,6 +48,7 @@ def short(value: float) -> str:
     return (f"{value:.0f}" if 9999.5 <= abs(value) < 1e7 else f"{value:.4g}").replace("-", MINUS)
 
 
+@functools.cache
 def _environment(folder: Path | None = None, **filters: Any) -> jinja2.Environment:
     here = Path(__file__).parent
     loader = jinja2.FileSystemLoader([*([folder] if folder else []), here.parent, here])
