@@ -190,12 +190,16 @@ def test_the_cycles_of_the_fmu_are_those_of_its_loop(fmu: Path, ratio: float) ->
     assert all(amplitude < 0.1 * first[0] for amplitude, _, _ in others)
 
 
-def test_a_collective_of_working_points_is_solved(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_collective_of_working_points_is_solved(
+    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     path, out = tmp_path / "collective.csv", tmp_path / "out"
     words = [str(path), "--fmu", str(fmu), "--output", str(out), "--safety", "3"]
     path.write_text("i_geo,T_P [Nm],n_P [rpm],F_S [kN],hours\n0.5,40,2000,20,100\n2,60,1500,20,50\n", encoding="utf-8")
-    assert __main__.main(words) == 0
-    assert "repetitions" in capsys.readouterr().out
+    monkeypatch.setattr(__main__, "SAMPLES", 6)
+    assert __main__.main([*words, "--bands"]) == 0
+    found = capsys.readouterr().out
+    assert "repetitions" in found and re.search(r"of 6 belts 16 % live at most [\d.e+]+ h, half .* ± \d+ % of the limit", found)
     (entry,) = json.loads((out / "durability.json").read_text(encoding="utf-8"))["runs"]
     assert entry["lifeRepetitions"] == pytest.approx(1.0 / entry["damage"]) == pytest.approx(entry["lifeHours"] / 150.0)
     with Variator("bench168", fmu=fmu) as belt:

@@ -11,21 +11,29 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
 from pushbelt.errors import require
-from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_set
+from pushbelt.fmu.bands import SAMPLES, increased
+from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_deviations, parameter_set
+from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import belt_described
+from pushbelt.points import SteadyStateError
 from pushbelt.variator import Variator
 
-from .table import COLUMNS, POINT, DurabilityError, read
+from .table import COLUMNS, POINT, DurabilityError, Table, read
+
+if TYPE_CHECKING:
+    from .damage import Damage
 
 DRIVES = ("fixed-safety-factor.csv", "slip-control.csv")  # Runs over the whole cycle in the folder of a drive
 
@@ -37,6 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     add_variator(parser, None)
     parser.add_argument("--hours", action="store_true", help="life in hours only: no column distance is required")
     parser.add_argument("--profile", action="store_true", help="count the cycles on profile.ringStress[…]")
+    text = f"scatter of the life over {SAMPLES} belts, by the deviations that are known of the parameter set; for collectives of working points"
+    parser.add_argument("--bands", action="store_true", help=text)
     add_material(parser, "--safety")
     options = parser.parse_args(arguments)
     require("durability")  # The help needs no packages of the extras.
@@ -45,21 +55,52 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     steel, parameters = material(options), _parameters(options.fmu, options.variator)
     paths = [path for given in options.runs for path in _files(given)]
-    results = [damage(read(path, not options.hours, options.profile, partial(_solved, options)), steel, parameters) for path in paths]
+
+    def solved(path: Path, changes: Mapping[str, float] = MappingProxyType({})) -> Damage:
+        return damage(read(path, not options.hours, options.profile, partial(_solved, options, changes)), steel, parameters)
+
+    results = [solved(path) for path in paths]
     options.output.mkdir(parents=True, exist_ok=True)
     path = report.write(results, options.output)
     for result in results:
         print(f"  {result.table.name}: {report.summary(result)}")
+        if options.bands:
+            print(f"    {_scatter(options, result.table, partial(solved, result.table.path))}")
     print(path.resolve())
     return 0
 
 
-def _solved(options: argparse.Namespace, points: Mapping[str, Array]) -> dict[str, Array]:
+def _solved(options: argparse.Namespace, changes: Mapping[str, float], points: Mapping[str, Array]) -> dict[str, Array]:
     """Outputs in the steady states of working points. Raises SteadyStateError for the first one that has none."""
-    with Variator(options.variator or "bench168", fmu=options.fmu) as belt:
+    with Variator(options.variator or "bench168", changes, fmu=options.fmu) as belt:
         rows = zip(*(points[name].tolist() for name in POINT), strict=True)
         states = [belt.steady(ratio, torque, speed=speed, force=force).outputs for ratio, torque, speed, force in rows]
     return {name: np.array([state[name] for state in states]) for name in COLUMNS if name in states[0]}
+
+
+def _scatter(options: argparse.Namespace, table: Table, solved: Callable[[Mapping[str, float]], Damage]) -> str:
+    """Lives of belts whose parameters are drawn from independent normal distributions. A damage is far from linear in them."""
+    name = options.variator or "bench168"
+    values, deviations = parameter_set(name), parameter_deviations(name)
+    if not table.solved or not deviations:
+        raise DurabilityError(f"{table.name}: --bands needs a collective of working points, and a parameter set with known deviations")
+    variables = {one.name: one for one in belt_described(options.fmu or default_fmu()).modelVariables}
+    draws, lives, used = np.random.default_rng(0).standard_normal((SAMPLES, len(deviations))), [], []
+    for draw in draws:
+        changes = increased(variables, values, dict(zip(deviations, draw * list(deviations.values()), strict=True)))
+        try:
+            found = solved(changes)
+        except SteadyStateError:
+            continue
+        lives.append(found.life(found.total)[0])
+        used.append([*draw, found.utilisation])
+    if len(lives) < SAMPLES // 2:
+        raise DurabilityError(f"{table.name}: only {len(lives)} of {SAMPLES} belts carry all rows")
+    low, middle, high = (f"{life:.3g} h" if np.isfinite(life) else "unlimited" for life in np.quantile(lives, (0.16, 0.5, 0.84), method="nearest"))
+    shares, amplitudes = np.abs(np.corrcoef(np.transpose(used))[-1, :-1]), 100.0 * np.array(used)[:, -1]
+    most = ", ".join(list(deviations)[k] for k in np.argsort(-shares)[:3])
+    scatter = f"of {len(lives)} belts 16 % live at most {low}, half {middle}, 84 % {high}"
+    return f"{scatter}; largest amplitude {amplitudes.mean():.0f} ± {amplitudes.std():.0f} % of the limit, most by {most}"
 
 
 def _files(path: Path) -> list[Path]:

@@ -63,6 +63,7 @@ class Table:
         self.path, self.columns, self.lines, self.field, self.identity = path, columns, lines, field, identity
         self.name = f"{path.parent.name}/{path.stem}" if path.parent.name else path.stem
         self.collective = HOURS in columns
+        self.solved = False  # Whether its rows are working points that were solved
         half = 0.5 * np.diff(columns["time"])
         # Time that belongs to each row, s: that of a collective, or by the trapezoidal rule.
         self.times = columns[HOURS] if self.collective else np.append(half, 0.0) + np.append(0.0, half)
@@ -108,6 +109,7 @@ def read(path: Path, kilometres: bool = True, profile: bool = False, solve: Solv
         values = {**(solve(values) if solved else values), HOURS: values[HOURS], "time": np.cumsum(values[HOURS])}
         values.pop("distance", None)
     table = Table(path, values, sheet.lines.astype(float), along, hashlib.sha256(path.read_bytes()).hexdigest())
+    table.solved = solved
     _check_course(table)
     return table
 
