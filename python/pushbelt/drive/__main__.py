@@ -39,6 +39,7 @@ def parser() -> argparse.ArgumentParser:
     add_variator(found)
     text = "maps.nc of `pushbelt maps` for the controllers [default: measured on the FMU]"
     found.add_argument("--maps", type=Path, metavar="FILE", help=text)
+    found.add_argument("--bands", action="store_true", help="standard deviation of the losses by those known of the parameter set, in half a minute")
     for name, (_, _, unit) in RANGES.items():
         shown = f"{name.replace('_', ' ')} of the car, {unit} [default: {getattr(demo_car(), name):g}]"
         found.add_argument(f"--{name.replace('_', '-')}", type=float, metavar="X", help=shown)
@@ -52,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> console.Done:
         raise ArgumentError(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     options.cycle = options.cycle or default_cycle()
     require("reports" if options.cycle in CYCLES else "tables")  # The help needs no packages of the extras.
-    from . import report, runs
+    from . import bands, report, runs
 
     given = {name: getattr(options, name) for name in ("ring", "variator", "clamping", "maps")}
     car = {name: value for name in RANGES if (value := getattr(options, name)) is not None}
@@ -64,6 +65,9 @@ def main(arguments: Sequence[str] | None = None) -> console.Done:
     options.output.mkdir(parents=True, exist_ok=True)
     for run in results.runs:
         report.write_trace(run, results.units, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
+    for run in results.runs[:2] if options.bands else ():
+        share, most = bands.of_losses(options.fmu, run)
+        print(f"  {run.setup.name}: losses of the variator {1e-3 * run.variator_loss:.4g} kJ ± {100.0 * share:.0f} %, most by {', '.join(most)}")
     report.write_html(results, path := options.output / "report.html")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return console.Done(0, results)
