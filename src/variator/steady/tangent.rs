@@ -6,7 +6,7 @@
 //!
 //!   dx = −J⁻¹ F + dx/dλ dλ,   dx/dλ = −J⁻¹ ∂F/∂λ,   dλ = −g/(dg/dx dx/dλ)
 //!
-//! J is that of implicit Euler over [`STEADY_TIME`], which keeps the total content of the elements.
+//! J is that of implicit Euler over `STEADY_TIME`, which keeps the total content of the elements.
 //! With it states beside this one are solved in two or three corrections.
 
 use super::solve::{SteadyTask, geometric_ratio, hold, reaction, unbalance};
@@ -114,7 +114,7 @@ impl Tangent {
 }
 
 /// Moves a state by a multiple of a step of Newton's method. Its velocities are left out: they move
-/// the positions over [`STEADY_TIME`].
+/// the positions over `STEADY_TIME`.
 fn advance(belt: &Belt, state: &mut State, step: &[f64], factor: f64) {
     for (i, change) in step.iter().enumerate() {
         if belt.has_position[i] && i != belt.layout.drift() {
