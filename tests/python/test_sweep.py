@@ -213,6 +213,18 @@ def test_states_make_sense_and_the_report_shows_maps_cuts_and_what_failed(study:
     reports.look_at(path)
 
 
+def test_bands_are_columns_and_maps(study: Study) -> None:
+    grid = Grid((12e3,), (0.09,), (200.0,), (1.0, 1.25), (0.3, 0.5))
+    banded = dataclasses.replace(study, grid=grid, deviations={"friction.pulley": 0.01, "belt.play": 1e-4})
+    with Archive.unpack(study.fmu) as archive:
+        rows = dict(Solver(archive, {}, banded.measure).solve(list(enumerate(banded.tasks()))))
+    assert all(0.0 < row["slip.sd"] < row["slip"] and row["slip by"].startswith("friction.pulley") for row in rows.values())
+    assert banded.identity != study.identity
+    found = table(banded, rows)
+    assert found.column("thrustRatio.sd").to_pylist() == [row["thrustRatio.sd"] for row in rows.values()]
+    assert "Standard deviation of slip (%)" in report.contours(report.data_set(banded.grid, found))
+
+
 def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
     solver, values = Solver(archive, {}, solve), [study.start_values(point) for point in study.grid.points()]
     refused = {**values[1], "belt.play": -1.0}

@@ -12,7 +12,7 @@ from typing import Any
 import pandas as pd
 import pytest
 import reports
-from pushbelt_validation import __main__, measured, report, results
+from pushbelt_validation import __main__, bands, measured, report, results
 from pushbelt_validation.bench import Bench, Plan
 from pushbelt_validation.outcome import Check, Column, Part, Section, Source, Unit, Verdict, table, within
 from pushbelt_validation.runs import SECTIONS, Results
@@ -51,6 +51,10 @@ def test_a_point_that_misses_is_named(outside: float | None, why: str) -> None:
     assert check.verdict is Verdict.MISSED
     assert why in check.by and ": gone" in check.by
     assert within("key", "statement", SOURCE, [], 0.0, 2.0).verdict is Verdict.MISSED
+
+
+def test_a_miss_is_met_within_the_band_or_not() -> None:
+    assert [bands.verdict(*of) for of in ((1.5, 0.3), (1.5, 0.2), (0.9, 0.0), (None, 0.3), (1.5, None))] == ["yes", "no", "yes", "", ""]
 
 
 def test_tables_show_units_and_keep_si_values() -> None:
