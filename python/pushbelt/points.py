@@ -238,7 +238,9 @@ class WorkingPoints:
         """`SteadyState.gradient` at a point."""
         if hold not in HELD:
             raise ArgumentError(refused("hold", hold, f"one of {', '.join(HELD)}"))
-        columns: dict[str, dict[str, float]] = {}
+        names, columns = list(names), {}
+        if hold != "ratio" and "ratio" in names:
+            raise ArgumentError(f"with hold = {hold!r} the ratio follows: it is no variable")
         for name in dict.fromkeys([*names, *(["ratio"] if hold != "ratio" else [])]):
             columns[name] = {name: 1.0}
             if name in Point._fields:
