@@ -76,10 +76,12 @@ def test_the_present_state_of_a_run_has_one_if_it_is_steady(fmu: Path, coarse: V
         variator.step(0.01)
 
 
-def test_a_load_near_the_one_that_follows_is_taken(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["secondary.torque=-59", *WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
+def test_the_command_prints_the_loads_that_follow(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = [*WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
     assert linearize.main(words) == 0
     assert "secondary.torque = -5" in capsys.readouterr().out
+    assert linearize.main(["secondary.torque=-59", *words]) == 1
+    assert "secondary.torque follows from the point: leave it out" in capsys.readouterr().err
     model = load_linear(tmp_path / "out" / "models.npz")[0, 0]
     assert (model.coordinates, model.sample_time) == ("modal", None)
 
