@@ -140,7 +140,7 @@ def test_a_hypercube_runs_and_goes_on(fmu: Path, tmp_path: Path, capsys: pytest.
     assert np.ptp(table["friction.pulley"].to_numpy()) > 0.02
     assert table["utilisation"].to_pylist() == pytest.approx([0.6] * 12)
     assert table["reason"].null_count == 12
-    assert json.loads(table.schema.metadata[METADATA])["grid"]["columns"]["belt.play"] == {"unit": "m"}
+    assert json.loads(table.schema.metadata[METADATA])["grid"]["columns"] == ["ring.layers", "belt.play", "friction.pulley"]
     # Thrust ratios rise with friction, as in the maps.
     rank = table.select(["friction.pulley", "thrustRatio"]).to_pandas().corr("spearman").iloc[0, 1]
     assert rank > 0.8

@@ -64,8 +64,6 @@ def parser() -> argparse.ArgumentParser:
     maps = command("map-fmu", "write_map_fmu", "write an FMU of a variator from maps")
     maps.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
     maps.add_argument("--maps", type=Path, metavar="FILE", help="file of `pushbelt maps`: maps.nc, maps.npz or maps.json")
-    maps.add_argument("--variator", metavar="NAME", help=f"solve for the maps of a {options.VARIATOR}, in 4 minutes of processor time")
-    options.add_short(maps, "with --variator, 12 lines of steady states instead of 84")
     options.add_set(maps, "start value")
     maps.add_argument("--fmi3", action="store_true", help="for FMI 3.0 instead of 2.0")
     maps.add_argument("--fmu", type=Path, help="FMU of maps to copy [default: PushbeltMap.fmu of the package]")

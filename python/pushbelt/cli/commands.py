@@ -10,9 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import pushbelt
-
-from ..errors import ArgumentError, require, similar
+from ..errors import ArgumentError, similar
 from ..fmu import cache, copies, start_values
 from ..fmu.data import parameter_set
 from ..fmu.files import DOCS, EXAMPLES, default_fmu, found
@@ -98,10 +96,6 @@ def _print(copy: Path, remarks: list[str], more: str = "") -> None:
 def write_map_fmu(options: argparse.Namespace) -> int:
     """`pushbelt map-fmu`: writes tables and start values into a copy of the FMU of maps, and starts the copy once."""
     _check_name(options.copy)
-    if options.maps and options.variator:
-        raise ArgumentError("--maps and --variator exclude each other: a file of maps has its variator's parameters")
-    if options.short and not options.variator:
-        raise ArgumentError("--short is for maps that are solved for: it needs --variator")
     packed = ("PUSHBELT_MAP_FMU3", "PushbeltMap3.fmu", "cargo fmu build --map --fmi3")
     fmu = options.fmu or (found(*packed) if options.fmi3 else map_unit.default_fmu())
     description = _check_version(fmu, options)
@@ -109,12 +103,7 @@ def write_map_fmu(options: argparse.Namespace) -> int:
         raise ArgumentError(f"{fmu} is no FMU of maps such as PushbeltMap.fmu")
     # Maps for FMI 3.0 are tried in the FMU of FMI 2.0.
     tried = map_unit.default_fmu() if description.fmiVersion == "3.0" else fmu
-    if options.variator:
-        require("sweep")
-        # Finished lines remain in a folder beside the FMU.
-        maps: Maps | bytes = pushbelt.maps(variator=options.variator, short=options.short, output=options.copy.parent / "pushbelt-maps")
-    else:
-        maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
+    maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
     with TemporaryDirectory() as folder:
         map_unit.write_fmu(trial := Path(folder) / "trial.fmu", maps, tried, dict(options.set))
         with Archive.unpack(trial) as archive:

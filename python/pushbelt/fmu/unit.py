@@ -64,7 +64,7 @@ class Archive(AbstractContextManager["Archive"]):
             return cls(Path(fmpy.extract(str(fmu), directory)), description)
 
     def __exit__(self, *_: object) -> None:
-        self.remove()
+        shutil.rmtree(self.directory, ignore_errors=True)
 
     @property
     def version(self) -> str:
@@ -78,9 +78,6 @@ class Archive(AbstractContextManager["Archive"]):
     def units(self) -> dict[str, str]:
         """Units of all variables by name; 1 for those without one."""
         return {name: variable.unit or "1" for name, variable in self.variables.items()}
-
-    def remove(self) -> None:
-        shutil.rmtree(self.directory, ignore_errors=True)
 
 
 class Reals:
@@ -99,8 +96,8 @@ class Instance(AbstractContextManager["Instance"]):
     _logs: ClassVar[dict[int, list[Message]]] = {}
     """Logs of the existing instances, by the environment that their messages contain."""
 
-    def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
-        self._instance = _instance(archive, name)
+    def __init__(self, archive: Archive, start_values: Mapping[str, float]) -> None:
+        self._instance = _instance(archive)
         self.variables = archive.variables
         self.log: list[Message] = []
         self.time = 0.0
@@ -288,7 +285,7 @@ _LOADING = _Lock()
 """fmpy changes the folder of the process while it loads a library, and does not return from it after an error."""
 
 
-def _instance(archive: Archive, name: str) -> fmi2.FMU2Slave:
+def _instance(archive: Archive) -> fmi2.FMU2Slave:
     """The library of an FMU. Raises UnitError if it cannot be loaded."""
     description = archive.description
     refuse_others(description.modelName, description)
@@ -296,7 +293,7 @@ def _instance(archive: Archive, name: str) -> fmi2.FMU2Slave:
     binaries = binaries_of(archive.directory)
     # Without it fmpy knows the older names of folders only.
     library = binaries and str((binaries / identifier).resolve()) + fmpy.sharedLibraryExtension
-    given = {"guid": description.guid, "modelIdentifier": identifier, "instanceName": name}
+    given = {"guid": description.guid, "modelIdentifier": identifier, "instanceName": "variator"}
     with _LOADING.lock:
         here = os.getcwd()
         try:

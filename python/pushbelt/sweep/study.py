@@ -65,11 +65,6 @@ class Grid(Points):
             object.__setattr__(self, one.name, values)
 
     @property
-    def shape(self) -> tuple[int, ...]:
-        """Numbers of values in the order of `AXES`."""
-        return tuple(len(getattr(self, name)) for name in AXES)
-
-    @property
     def columns(self) -> tuple[str, ...]:  # type: ignore[override]
         return tuple(axis.column for axis in AXES.values())
 
