@@ -232,7 +232,7 @@ def test_jobs_of_slurm_solve_a_study(fmu: Path, tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     design = crossed([Varied("belt.play", (1e-4, 3e-4)), Varied("utilisation", (0.3, 0.6))])
     study = Study(fmu, variator("bench168", changes=MESH, varied=design.columns), design)
-    queue, jobs = slurm(f"jobs=2 walltime=00:30:00 scratch={tmp_path}")
+    queue, jobs = slurm(f"jobs=2 walltime=00:30:00 local_directory={tmp_path}")
     with queue:
         queue.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
         found = table(study, solve(study, tmp_path / "out", scheduler=queue, chunk=1))

@@ -44,7 +44,6 @@ class UnitError(PushbeltError, RuntimeError):
 
 class Message(NamedTuple):
     status: int  # `fmi2Status`
-    category: str
     text: str
 
 
@@ -265,10 +264,10 @@ class Instance(AbstractContextManager["Instance"]):
             errors = [message.text for message in self.log[before:] if message.status > fmi2.fmi2Warning]
             raise UnitError("; ".join(errors) or str(error)) from error
 
-    def _record(self, environment: int, _instance: Any, status: int, category: bytes, message: bytes) -> None:
+    def _record(self, environment: int, _instance: Any, status: int, _category: bytes, message: bytes) -> None:
         log = self._logs.get(environment)
         if log is not None:
-            log.append(Message(status, category.decode(), message.decode("utf-8", errors="replace")))
+            log.append(Message(status, message.decode("utf-8", errors="replace")))
 
 
 class _Lock:
@@ -299,8 +298,7 @@ def _instance(archive: Archive) -> fmi2.FMU2Slave:
         try:
             return fmi2.FMU2Slave(unzipDirectory=str(archive.directory), libraryPath=library, **given)
         except Exception as error:
-            why = _not_executable(archive) or str(error).strip()
-            raise UnitError(f"the library of the FMU cannot be loaded: {why}") from error
+            raise UnitError(f"the library of the FMU cannot be loaded: {str(error).strip()}") from error
         finally:
             os.chdir(here)
 
@@ -328,14 +326,6 @@ def belt_described(fmu: Path) -> Any:
     if all(one.name != "ring.model" for one in description.modelVariables):
         raise InputFileError(f"{fmu} has no ring.model: PushbeltVariator.fmu is needed, which runs the belt; only `drive` takes PushbeltMap.fmu")
     return description
-
-
-def _not_executable(archive: Archive) -> str | None:
-    """Remark on a file system that does not allow execution; None otherwise."""
-    if not (hasattr(os, "ST_NOEXEC") and os.statvfs(archive.directory).f_flag & os.ST_NOEXEC):
-        return None
-    moved = "let the environment variable PUSHBELT_CACHE, or TMPDIR for a temporary one, name another folder"
-    return f"the file system of {archive.directory} does not allow execution (noexec): {moved}"
 
 
 def output_names(variables: Iterable[Any]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -49,26 +49,20 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
 
 
 def chosen(grid: LinearGrid) -> list[Drawn]:
-    """Points for the figures. The torque has dashes and another axis colours, the ratio if it has several values; a
-    single axis has colours. Values are spread evenly over an axis, with the first and the last; further axes are at a
-    middle value."""
+    """Points for the figures. The first axis with several values, such as the ratio, has colours, and a second one dashes. Values are spread
+    evenly over an axis, with the first and the last; further axes are at a middle value."""
     found = list(grid.points())
     values = {axis: sorted({point[axis] for point, _ in found}) for axis in grid.axes}
-    several = sorted((axis for axis in values if len(values[axis]) > 1), key=lambda axis: axis != "ratio")
-    dashed = "torque" if "torque" in several and len(several) > 1 else ""
-    coloured = next((axis for axis in several if axis != dashed), "")
+    several = [axis for axis in values if len(values[axis]) > 1]
     kept = {axis: [every[len(every) // 2]] for axis, every in values.items()}
-    if coloured:
-        kept[coloured] = _spread(values[coloured], MOST_DASHED if dashed else len(COLOURS))
-    if dashed:
-        kept[dashed] = _spread(values[dashed], len(DASHES))
-
-    def place(axis: str, point: Mapping[str, float]) -> int:
-        return kept[axis].index(point[axis]) if axis else 0
-
-    shown = [(point, model) for point, model in found if all(point[axis] in kept[axis] for axis in kept)]
-    looks = [(title(grid, point), COLOURS[place(coloured, point)], DASHES[place(dashed, point)], model) for point, model in shown]
-    return [Drawn(*one) for one in looks] or [Drawn(title(grid, found[0][0]), COLOURS[0], "", found[0][1])]
+    for axis, most in zip(several, (MOST_DASHED if len(several) > 1 else len(COLOURS), len(DASHES)), strict=False):
+        kept[axis] = _spread(values[axis], most)
+    drawn = []
+    for point, model in found:
+        if all(point[axis] in kept[axis] for axis in kept):
+            colour, dash = [*(kept[axis].index(point[axis]) for axis in several), 0, 0][:2]
+            drawn.append(Drawn(title(grid, point), COLOURS[colour], DASHES[dash], model))
+    return drawn or [Drawn(title(grid, found[0][0]), COLOURS[0], "", found[0][1])]
 
 
 def _spread(values: list[float], most: int) -> list[float]:
