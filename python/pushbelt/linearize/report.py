@@ -95,16 +95,11 @@ def bode(drawn: Sequence[Drawn]) -> Iterator[Chart]:
 
 
 def phases(responses: Iterable[Array]) -> list[Array]:
-    """Phases over frequency without jumps and on one branch, °. The means over the frequencies are within one turn, cut
-    where neighbouring means are the farthest apart. So similar responses are never a turn apart. The mean of all is the
-    closest to zero."""
+    """Phases over frequency without jumps, °. Their means over the frequencies are within half a turn of the mean direction of all."""
     found = [np.degrees(np.unwrap(np.angle(values))) for values in responses]
     means = np.array([phase.mean() for phase in found])
-    order = np.sort(means % 360.0)
-    start = order[np.argmax(np.diff(order, prepend=order[-1] - 360.0))]
-    turns = np.floor((means - start) / 360.0 + 1e-9)
-    turns += np.round((means - 360.0 * turns).mean() / 360.0)
-    return [phase - 360.0 * turn for phase, turn in zip(found, turns, strict=True)]
+    centre = np.degrees(np.angle(np.exp(1j * np.radians(means)).sum()))
+    return [phase - 360.0 * turn for phase, turn in zip(found, np.round((means - centre) / 360.0), strict=True)]
 
 
 def steps(drawn: Sequence[Drawn], end: float) -> Iterator[Chart]:
