@@ -73,7 +73,7 @@ def things(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict
             "LinearModel.response": (model.response, {"frequencies": [1.0]}),
             "LinearModel.gain": (model.gain, {"output": "slip", "load": "primary.torque", "frequency": 1.0}),
             "MapVariator": (pushbelt.MapVariator, {"maps": None, "parameters": {}, "count": 1}),
-            "MapVariator.start": (maps.start, {"ratio": 1.0, "primary_speed": [200.0, 100.0], "slip": 0.0}),
+            "MapVariator.start": (maps.start, {"ratio": 1.0, "primary_speed": [200.0, 100.0]}),
             "MapVariator.step": (maps.step, {"duration": 0.01, "primary_torque": 20.0, "secondary_torque": -20.0, "primary_force": 13e3,
                                              "secondary_force": [9e3, 9e3]}),
             "Maps": (pushbelt.Maps, dict(vars(data))), "Maps.read": (data.read, {"path": folder / "maps.json"}),

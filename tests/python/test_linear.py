@@ -181,9 +181,9 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
 
 
 def test_lists_and_ranges_are_read() -> None:
-    asked = linearize.asked(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
-    assert asked.points == {"initial.ratio": [0.5, 1.0, 1.5, 2.0], "primary.torque": [20.0, 40.0]}
-    assert asked.changes == {"ring.model": ["ALE0", "ALE"]} and asked.parameters == {"belt.play": "1e-4"}
+    found = linearize.asked(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
+    points = {"initial.ratio": [0.5, 1.0, 1.5, 2.0], "primary.torque": [20.0, 40.0]}
+    assert found == (points, {"belt.play": "1e-4"}, {"ring.model": ["ALE0", "ALE"]})
 
 
 def test_a_grid_is_written_with_its_report(

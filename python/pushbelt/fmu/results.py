@@ -204,13 +204,9 @@ class Trace(Drawn):
 
 def intervals(time: Array, flag: Array, gap: float = 0.0) -> list[tuple[float, float]]:
     """Time intervals in which a flag is true. Intervals less than `gap` seconds apart are merged."""
-    up = np.concatenate([[False], np.asarray(flag) > 0.5, [False]])
-    edges = np.flatnonzero(up[1:] != up[:-1])
-    found: list[tuple[float, float]] = []
-    for first, after in edges.reshape(-1, 2):
-        start, end = float(time[first]), float(time[after - 1])
-        if found and start - found[-1][1] <= gap:
-            found[-1] = (found[-1][0], end)
-        else:
-            found.append((start, end))
-    return found
+    steps = np.diff(np.concatenate([[0], np.asarray(flag) > 0.5, [0]]))
+    starts, ends = time[np.flatnonzero(steps > 0)], time[np.flatnonzero(steps < 0) - 1]
+    if not len(starts):
+        return []
+    apart = starts[1:] - ends[:-1] > gap
+    return list(zip(starts[[True, *apart]].tolist(), ends[[*apart, True]].tolist(), strict=True))

@@ -14,8 +14,8 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any
 
 from pushbelt import console
 from pushbelt.cli.options import add_variator, numbers, program
@@ -35,24 +35,8 @@ OUTPUTS = ("ratio.geometric", "primary.speed", "slip")  # Default outputs of the
 FILES = ("models.npz", "models.mat", "models.json")
 
 
-class Asked(NamedTuple):
-    """The specified points and parameters."""
-
-    points: Mapping[str, list[float]]  # Values of `AXES`
-    parameters: Mapping[str, str]  # Parameters with one value
-    changes: Mapping[str, list[str]]  # Parameters with several values
-    safety: float | None
-
-    def axes(self, variator: Variator) -> dict[str, Any]:
-        """Arguments of `linear_grid`: the specified points, and start values of the variator for what is not specified. A single number
-        of speed or force is not an axis. Without a force or a safety factor the force is that of the variator's inputs."""
-        found: dict[str, Any] = {axis: self.points.get(name, [variator[name]]) for name, axis in AXES.items()}
-        found |= {axis: found[axis][0] for axis in ("speed", "force") if len(found[axis]) == 1}
-        return found | {"safety": self.safety} | ({} if FORCE in self.points else {"force": None})
-
-
-def asked(settings: Sequence[str], safety: float | None = None) -> Asked:
-    """Parses NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT."""
+def asked(settings: Sequence[str], safety: float | None = None) -> tuple[dict[str, list[float]], dict[str, str], dict[str, list[str]]]:
+    """Parses NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT: values of `AXES`, parameters with one value, and with several ones."""
     found: dict[str, list[Any]] = {}
     for setting in settings:
         name, _, text = setting.partition("=")
@@ -75,7 +59,7 @@ def asked(settings: Sequence[str], safety: float | None = None) -> Asked:
     both = [name for name, given in (("--safety", safety is not None), (FORCE, FORCE in points), (PRESSURE, PRESSURE in found)) if given]
     if len(both) > 1:
         raise ArgumentError(f"{' and '.join(both)} both determine the clamping force: give one of them")
-    return Asked(points, parameters, changes, safety)
+    return points, parameters, changes
 
 
 def _values(name: str, text: str) -> list[Any]:
@@ -109,17 +93,19 @@ def parser() -> argparse.ArgumentParser:
 @console.program("linearize", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_intermixed_args(arguments)
-    wanted = asked(options.settings, options.safety)
+    points, parameters, changes = asked(options.settings, options.safety)
     require("reports")  # The help needs no packages of the extras.
     from pushbelt.report.side_by_side import progress_bar
 
-    given = {name: getattr(options, name) for name in ("frequency", "states", "sample_time")}
-    with Variator(options.variator or {}, wanted.parameters, fmu=options.fmu) as variator:
-        axes = wanted.axes(variator)
-        size = math.prod(len(values) for values in (*axes.values(), *wanted.changes.values()) if isinstance(values, list))
+    given = {name: getattr(options, name) for name in ("safety", "frequency", "states", "sample_time")}
+    with Variator(options.variator or {}, parameters, fmu=options.fmu) as variator:
+        axes: dict[str, Any] = {axis: points.get(name, [variator[name]]) for name, axis in AXES.items()}
+        # A single number of speed or force is not an axis. Without a force it is that of the safety factor or of the variator's inputs.
+        axes |= {axis: axes[axis][0] for axis in ("speed", "force") if len(axes[axis]) == 1}
+        axes |= {} if FORCE in points else {"force": None}
+        size = math.prod(len(values) for values in (*axes.values(), *changes.values()) if isinstance(values, list))
         with progress_bar(size, "working points") as bar:
-            each: dict[str, Any] = {"changes": wanted.changes, "after_each": lambda: bar.update(1)}
-            grid = variator.linear_grid(**axes, **each, **given)
+            grid = variator.linear_grid(**axes, changes=changes, after_each=lambda: bar.update(1), **given)
     return write(grid, options)
 
 

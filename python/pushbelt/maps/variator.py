@@ -108,12 +108,12 @@ class MapVariator:
         except ValueError:
             raise ArgumentError(refused(name, value, f"a number or {self.count} of them")) from None
 
-    @checks(ratio=number(above=0.0, several=True), primary_speed=number("rad/s", several=True), slip=number(several=True))
-    def start(self, ratio: ArrayLike = 1.0, primary_speed: ArrayLike = 200.0, slip: ArrayLike = 0.0) -> None:
-        """Sets the states. Ratios beyond the end stops are set to them."""
-        ratios, speeds, slips = (self._each(*one) for one in (("ratio", ratio), ("primary_speed", primary_speed), ("slip", slip)))
-        self.log_ratio, self.primary_speed = np.clip(np.log(ratios), *self._stops), speeds.copy()
-        self.secondary_speed = self.primary_speed * (1.0 - slips) / self.ratio
+    @checks(ratio=number(above=0.0, several=True), primary_speed=number("rad/s", several=True))
+    def start(self, ratio: ArrayLike = 1.0, primary_speed: ArrayLike = 200.0) -> None:
+        """Sets the states, without slip. Ratios beyond the end stops are set to them."""
+        self.log_ratio = np.clip(np.log(self._each("ratio", ratio)), *self._stops)
+        self.primary_speed = self._each("primary_speed", primary_speed).copy()
+        self.secondary_speed = self.primary_speed / self.ratio
         self._started = False
 
     @checks(
