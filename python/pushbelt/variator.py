@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections import UserDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -46,6 +46,18 @@ class Snapshot:
 
     def __repr__(self) -> str:
         return f"<Snapshot at {self.time:g} s: {len(self.state)} bytes>"
+
+
+class Inputs(UserDict[str, float]):
+    """Present inputs by name; `inputs[name] = value` sets one."""
+
+    def __init__(self, variator: Variator) -> None:
+        self.data = {one.name: variator[one.name] for one in variator.variables.values() if one.causality == "input"}
+        self._set = variator.set
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self._set(name, value)
+        self.data[name] = value
 
 
 class Variator(WorkingPoints, Drawn):
@@ -180,9 +192,9 @@ class Variator(WorkingPoints, Drawn):
     get = __getitem__
 
     @property
-    def inputs(self) -> Mapping[str, float]:
-        """Present values of the inputs by name. `variator[name] = value` sets one."""
-        return MappingProxyType({one.name: self[one.name] for one in self._declared.values() if one.causality == "input"})
+    def inputs(self) -> Inputs:
+        """Present values of the inputs by name. `inputs[name] = value` sets one."""
+        return Inputs(self)
 
     def profile(self) -> Profile:
         """Present fields along the belt: position (m), push force and ring tension (N), normal force (N/m) and more."""
