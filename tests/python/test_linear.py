@@ -264,12 +264,12 @@ def grid_of(**axes: list[float]) -> LinearGrid:
 
 def test_the_ratio_has_a_colour_and_the_torque_a_dash() -> None:
     found = chosen(grid_of(ratio=[0.5, 1.0, 2.0], torque=[20.0, 50.0], speed=[100.0, 200.0, 300.0]))
-    looks = {one.name: (one.colour, one.dash) for one in found}
+    looks = {look["name"]: (look["colour"], look["dash"]) for look, _ in found}
     assert looks == {
         f"ratio {ratio}, torque {torque} N·m, speed 1910 rpm": (COLOURS[k], DASHES[m])
         for k, ratio in enumerate(("0.5", "1", "2"))
         for m, torque in enumerate((20, 50))
     }
     many = chosen(grid_of(ratio=list(np.linspace(0.5, 2.0, 9)), torque=list(np.linspace(10.0, 90.0, 9))))
-    assert len({(one.colour, one.dash) for one in many}) == len(many) == 12
-    assert many[0].name == "ratio 0.5, torque 10 N·m" and many[-1].name == "ratio 2, torque 90 N·m"
+    assert len({(look["colour"], look["dash"]) for look, _ in many}) == len(many) == 12
+    assert many[0][0]["name"] == "ratio 0.5, torque 10 N·m" and many[-1][0]["name"] == "ratio 2, torque 90 N·m"

@@ -79,14 +79,12 @@ class Archive(AbstractContextManager["Archive"]):
         return {name: variable.unit or "1" for name, variable in self.variables.items()}
 
 
-class Reals:
-    """Real variables that are repeatedly read or set together."""
+class Reals(NamedTuple):
+    """Real variables that are repeatedly read or set together; `values` is the space to read them."""
 
-    def __init__(self, names: Iterable[str], references: Iterable[int]) -> None:
-        self.names = tuple(names)
-        references = list(references)
-        self.references = (ctypes.c_uint32 * len(references))(*references)
-        self.values = (ctypes.c_double * len(references))()
+    names: tuple[str, ...]
+    references: ctypes.Array[ctypes.c_uint32]
+    values: ctypes.Array[ctypes.c_double]
 
 
 class Instance(AbstractContextManager["Instance"]):
@@ -191,8 +189,9 @@ class Instance(AbstractContextManager["Instance"]):
 
     def reals(self, names: Iterable[str]) -> Reals:
         """Prepares real variables to be read or set together."""
-        names = list(names)
-        return Reals(names, (self.variables[name].valueReference for name in names))
+        names = tuple(names)
+        references = (self.variables[name].valueReference for name in names)
+        return Reals(names, (ctypes.c_uint32 * len(names))(*references), (ctypes.c_double * len(names))())
 
     def get_reals(self, reals: Reals) -> Array:
         self._call(self._instance.fmi2GetReal, self._instance.component, reals.references, len(reals.names), reals.values)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,22 +22,13 @@ SHOWN_POLES = 4
 MOST_DASHED = 4  # Largest number of values of the axis with colours, if another one has dashes
 
 
-class Drawn(NamedTuple):
-    """A point in the figures: its name, its look, and its model."""
-
-    name: str
-    colour: str
-    dash: str
-    model: LinearModel
-
-    def line(self, x: Array, y: Array) -> Series:
-        return Series(self.name, x, y, self.colour, dash=self.dash)
+Drawn = tuple[dict[str, Any], LinearModel]  # A point in the figures: name, colour and dash of its lines, and its model
 
 
 def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -> Path:
     """Writes the report and returns its path. Raises KeyError for an output that the models do not have."""
     found, path = list(grid.points()), folder / "report.html"
-    drawn = [one._replace(model=one.model.select(outputs)) for one in chosen(grid)]
+    drawn = [(look, model.select(outputs)) for look, model in chosen(grid)]
     context = {
         "points": [(title(grid, point), model, _poles(model)) for point, model in found],
         "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
@@ -57,12 +48,12 @@ def chosen(grid: LinearGrid) -> list[Drawn]:
     kept = {axis: [every[len(every) // 2]] for axis, every in values.items()}
     for axis, most in zip(several, (MOST_DASHED if len(several) > 1 else len(COLOURS), len(DASHES)), strict=False):
         kept[axis] = _spread(values[axis], most)
-    drawn = []
+    drawn: list[Drawn] = []
     for point, model in found:
         if all(point[axis] in kept[axis] for axis in kept):
             colour, dash = [*(kept[axis].index(point[axis]) for axis in several), 0, 0][:2]
-            drawn.append(Drawn(title(grid, point), COLOURS[colour], DASHES[dash], model))
-    return drawn or [Drawn(title(grid, found[0][0]), COLOURS[0], "", found[0][1])]
+            drawn.append(({"name": title(grid, point), "colour": COLOURS[colour], "dash": DASHES[dash]}, model))
+    return drawn or [({"name": title(grid, found[0][0]), "colour": COLOURS[0]}, found[0][1])]
 
 
 def _spread(values: list[float], most: int) -> list[float]:
@@ -79,16 +70,16 @@ def title(grid: LinearGrid, point: dict[str, float]) -> str:
 
 def bode(drawn: Sequence[Drawn]) -> Iterator[Chart]:
     """Magnitude and phase from each input, over Hz, for each output."""
-    first = drawn[0].model
+    first = drawn[0][1]
     frequencies = np.geomspace(LOWEST, first.frequency, 300)
-    found = np.array([one.model.response(2.0 * np.pi * frequencies) for one in drawn])
+    found = np.array([model.response(2.0 * np.pi * frequencies) for _, model in drawn])
     log: dict[str, Any] = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, first.frequency)}
     for k, output in enumerate(first.outputs):
         panels = []
         for m, load in enumerate(first.inputs):
             scale, unit = per(first.units[output], first.units[load])
-            size = [one.line(frequencies, scale * np.abs(values)) for one, values in zip(drawn, found[:, :, k, m], strict=True)]
-            phase = [one.line(frequencies, values) for one, values in zip(drawn, phases(found[:, :, k, m]), strict=True)]
+            size = [Series(x=frequencies, y=scale * np.abs(values), **look) for (look, _), values in zip(drawn, found[:, :, k, m], strict=True)]
+            phase = [Series(x=frequencies, y=values, **look) for (look, _), values in zip(drawn, phases(found[:, :, k, m]), strict=True)]
             panels.append(Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log))
             panels.append(Panel(f"{load} → {output}: phase (°)", phase, **log))
         yield Chart(panels, f"Bode plots of {output}", columns=2, common_legend=True, least_width=330)
@@ -104,13 +95,13 @@ def phases(responses: Iterable[Array]) -> list[Array]:
 
 def steps(drawn: Sequence[Drawn], end: float) -> Iterator[Chart]:
     """Responses to a unit step of each input, over time, for each output."""
-    times, first = np.linspace(0.0, end, 400), drawn[0].model
-    found = np.array([one.model.step(times) for one in drawn])
+    times, first = np.linspace(0.0, end, 400), drawn[0][1]
+    found = np.array([model.step(times) for _, model in drawn])
     for k, output in enumerate(first.outputs):
         panels = []
         for m, load in enumerate(first.inputs):
             scale, unit = per(first.units[output], first.units[load])
-            series = [one.line(times, scale * values) for one, values in zip(drawn, found[:, :, k, m], strict=True)]
+            series = [Series(x=times, y=scale * values, **look) for (look, _), values in zip(drawn, found[:, :, k, m], strict=True)]
             panels.append(Panel(f"{load} → {output} ({unit})", series, "time (s)", x_range=(0.0, end)))
         yield Chart(panels, f"Step responses of {output}", columns=2, linked=True, common_legend=True, least_width=330)
 
