@@ -34,8 +34,7 @@ TRUTHS = ("macroSlip", "pastPeak")  # Outputs that are true or false
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {one.name: re.sub("_(.)", lambda found: found[1].upper(), one.name) for one in fields(Profile)}
 """Names of the fields along the belt in the FMU."""
-CALLED = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
-"""Type in the names of the functions that set and get a variable of a type."""
+CALLED = {"Enumeration": "Integer"}  # Type in the names of the functions, where it is not that of the variable
 
 
 class UnitError(PushbeltError, RuntimeError):
@@ -180,11 +179,11 @@ class Instance(AbstractContextManager["Instance"]):
     def set(self, values: Mapping[str, float]) -> None:
         for name, value in values.items():
             variable = self.variables[name]
-            self._call(getattr(self._instance, f"set{CALLED[variable.type]}"), [variable.valueReference], [value])
+            self._call(getattr(self._instance, f"set{CALLED.get(variable.type, variable.type)}"), [variable.valueReference], [value])
 
     def get(self, name: str) -> float:
         variable = self.variables[name]
-        (value,) = self._call(getattr(self._instance, f"get{CALLED[variable.type]}"), [variable.valueReference])
+        (value,) = self._call(getattr(self._instance, f"get{CALLED.get(variable.type, variable.type)}"), [variable.valueReference])
         return bool(value) if variable.type == "Boolean" else value
 
     def reals(self, names: Iterable[str]) -> Reals:

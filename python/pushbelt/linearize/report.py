@@ -30,7 +30,7 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
     found, path = list(grid.points()), folder / "report.html"
     drawn = [(look, model.select(outputs)) for look, model in chosen(grid)]
     context = {
-        "points": [(title(grid, point), model, _poles(model)) for point, model in found],
+        "points": [(title(grid, point), model, ", ".join(map(pole, model.poles[model.poles.imag >= 0.0][:SHOWN_POLES]))) for point, model in found],
         "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
         "charts": list(zip(outputs, bode(drawn), steps(drawn, time), strict=True)),
         "first": found[0][1], "drawn": len(drawn),
@@ -111,10 +111,6 @@ def per(output: str, load: str) -> tuple[float, str]:
     (above, output), (below, load) = in_figures(output), in_figures(load)
     load = f"({load})" if "." in load or "/" in load else load
     return above / below, f"{output}/{load}"
-
-
-def _poles(model: LinearModel) -> str:
-    return ", ".join(map(pole, model.poles[model.poles.imag >= 0.0][:SHOWN_POLES]))
 
 
 def pole(value: complex) -> str:

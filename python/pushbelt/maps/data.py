@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 VERSION = 1  # Version of the files' content
 STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
 """Meaning of the numbers of the table `state`, as in `tables.json`. The first two are steady states."""
-ROUTE = ("force", "speed", "ratio")  # Axes of a line
 
 
 class MapError(PushbeltError, ValueError):
@@ -48,7 +47,7 @@ class Quantity(NamedTuple):
 _ABOUT = json.loads(Path(__file__).with_name("tables.json").read_text(encoding="utf-8"))
 AXES: Mapping[str, Quantity] = {name: Quantity(**about) for name, about in _ABOUT["axes"].items()}
 TABLES: Mapping[str, Quantity] = {name: Quantity(**{**about, "axes": tuple(about["axes"])}) for name, about in _ABOUT["tables"].items()}
-POINT = (*ROUTE, "utilisation")
+POINT = ("force", "speed", "ratio", "utilisation")
 TEXTS = ("source", "parameters", "reasons")  # Parts of a data set that are no numbers
 
 

@@ -40,10 +40,6 @@ class Store:
         name = f"tasks-{min(rows)}-{max(rows)}.json.gz"
         write_whole(self.folder / name, gzip.compress(json.dumps(list(rows.items())).encode(), 1))
 
-    def clear(self) -> None:
-        for path in self.folder.glob("tasks-*"):
-            path.unlink()
-
     def rows(self) -> dict[int, Row]:
         """All stored tasks by their numbers. A damaged file is removed, and its tasks are solved again. Raises OSError
         if a file cannot be read; the file is then not removed."""
@@ -88,8 +84,8 @@ def solve(
     next run tries them again. Raises ClusterError if the cluster cannot be reached or is lost. Finished tasks remain
     stored."""
     store = Store(folder, tasks)
-    if anew:
-        store.clear()
+    for path in store.folder.glob("tasks-*") if anew else ():
+        path.unlink()
     rows = store.rows()
     failed = sum(row.get("reason") is not None for row in rows.values())
     progress(len(rows), failed, 0)

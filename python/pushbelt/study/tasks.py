@@ -19,8 +19,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
-import numpy as np
-
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import RingModel
@@ -122,4 +120,5 @@ def ascending(name: str, values: Sequence[float], *, positive: bool) -> tuple[fl
 
 def spread(low: float, high: float, count: int) -> tuple[float, ...]:
     """Values evenly spaced in their logarithm, to 1e-6."""
-    return tuple(np.geomspace(low, high, count).round(6).tolist())
+    step = (high / low) ** (1.0 / max(count - 1, 1))
+    return tuple(round(low * step**k, 6) for k in range(count))

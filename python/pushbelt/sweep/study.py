@@ -7,7 +7,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu import bands, capacity, closing, steady
@@ -24,8 +24,7 @@ CHUNK = 8
 MOST = 2000  # Largest number of points that are checked for wrong units, evenly spaced in the study
 
 
-@dataclass(frozen=True)
-class Axis:
+class Axis(NamedTuple):
     """Column of the results for a field of the grid."""
 
     column: str
