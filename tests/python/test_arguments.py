@@ -50,7 +50,7 @@ def things(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict
             "Variator.step": (run.step, {"duration": 1e-3, "inputs": {}}), "Variator.set": (run.set, {"values": "primary.torque", "value": 2.0}),
             "Variator.get": (run.get, {"name": "slip"}), "Variator.run": (run.run, {"duration": 0.01, "inputs": {}, "step": 0.01, "outputs": ["slip"]}),
             "Bands": (pushbelt.Bands, dict(vars(bands))), "Bands.largest": (bands.largest, {"name": "slip", "count": 3}),
-            "SteadyState": (pushbelt.SteadyState, dict(vars(state))), "Profile": (pushbelt.Profile, dict(vars(state.profile))),
+            "SteadyState": (pushbelt.SteadyState, dict(vars(state))), "SteadyState.gradient": (state.gradient, {"names": ["torque"], "hold": "ratio"}), "Profile": (pushbelt.Profile, dict(vars(state.profile))),
             "Variator.plot": (lambda name: run.plot(name), {"name": "slip"}), "SteadyState.plot": (lambda name: state.plot(name), {"name": "gap"}),
             "Profile.plot": (lambda name: state.profile.plot(name), {"name": "gap"}), "Maps.plot": (data.plot, {"name": "slip"}),
             "Variator.restore": (run.restore, {"snapshot": snapshot}),

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import checks, text, whole
+from ..arguments import names as a_list
 from ..errors import ArgumentError, UnknownNameError, package, similar
 from .geometry import Array
 
@@ -110,6 +111,7 @@ class SteadyState(BeltState):
     load_torque: float  # Secondary torque of the steady state, N·m
     derivatives: Callable[[Iterable[str], str], pandas.DataFrame] | None = field(default=None, repr=False, compare=False)
 
+    @checks(names=lambda name, value: (value,) if isinstance(value, str) else a_list(name, value), hold=text)
     def gradient(self, names: Iterable[str], *, hold: str = "ratio") -> pandas.DataFrame:
         """Derivatives of the outputs (rows) over real parameters, inputs, and `ratio`, `torque`, `speed` and `force` (columns), SI units.
 
@@ -119,7 +121,7 @@ class SteadyState(BeltState):
         """
         if self.derivatives is None:
             raise ArgumentError("a state that was stored or solved by a program has no gradient: use that of Variator.steady")
-        return self.derivatives([names] if isinstance(names, str) else names, hold)
+        return self.derivatives(names, hold)
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "derivatives": None}

@@ -21,7 +21,7 @@ from fmpy import fmi2
 from ..errors import PushbeltError
 from .enumerations import StartState
 from .geometry import Array
-from .results import Profile
+from .results import Profile, item
 from .untrusted import InputFileError, described, named
 
 try:
@@ -110,7 +110,7 @@ class Instance(AbstractContextManager["Instance"]):
         self._call(self._instance.instantiate, callbacks=self._callbacks)
         try:
             self._set_up(start_values)
-        except UnitError:
+        except PushbeltError:
             self.free()
             raise
 
@@ -178,7 +178,7 @@ class Instance(AbstractContextManager["Instance"]):
 
     def set(self, values: Mapping[str, float]) -> None:
         for name, value in values.items():
-            variable = self.variables[name]
+            variable = item(self.variables, name, "FMU", "variable")
             self._call(getattr(self._instance, f"set{CALLED.get(variable.type, variable.type)}"), [variable.valueReference], [value])
 
     def get(self, name: str) -> float:
