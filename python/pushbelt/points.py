@@ -22,7 +22,7 @@ from .fmu.steady import SteadyStates, driven_by_torque
 from .fmu.unit import Archive, UnitError
 from .linear.grid import LinearGrid
 from .linear.model import LinearModel, LinearPointError
-from .linear.physical import NotPhysicalError, with_enough_modes
+from .linear.physical import MOST_HERTZ, NotPhysicalError, modes_needed, physical
 
 if TYPE_CHECKING:
     import pandas
@@ -88,10 +88,13 @@ class Point(NamedTuple):
 
 
 def model_of(solver: calls.Instance, frequency: float, states: str, sample_time: float | None) -> LinearModel:
-    def modal(below: float) -> LinearModel:
-        return LinearModel.of(solver.linearise(below))
-
-    model = with_enough_modes(modal, frequency) if states == "physical" else modal(frequency)
+    """A linear model about the present state. For physical states the frequency is doubled until there are enough modes."""
+    model = LinearModel.of(solver.linearise(frequency))
+    if states == "physical":
+        while len(model.poles) < modes_needed(model) and frequency < MOST_HERTZ:
+            frequency *= 2.0
+            model = LinearModel.of(solver.linearise(frequency))
+        model = physical(model)
     return model if sample_time is None else model.sampled(sample_time)
 
 

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 COMMAND = "PUSHBELT_COMMAND"  # Environment variable with the command that started the program, if another tool did
-OUTPUT = "--output"  # Option with the folder of the results
 
 
 class Input(NamedTuple):
@@ -55,7 +54,7 @@ def current(program: str) -> Provenance | None:
 def _inputs(words: Sequence[str]) -> list[Input]:
     """Files among the words and runs in folders among them, once each. The folder of the results is none."""
     found: dict[str, Input] = {}
-    output = re.search(rf"(?:^|\0){OUTPUT}[=\0]([^\0]+)", "\0".join(words))
+    output = re.search(r"(?:^|\0)--output[=\0]([^\0]+)", "\0".join(words))
     written = Path(output[1]).resolve() if output else None
     for word in filter(None, words):
         # `--fmu=FILE`, `name=FILE` and lists.

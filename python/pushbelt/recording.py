@@ -4,7 +4,6 @@ bounded memory."""
 from __future__ import annotations
 
 import math
-from array import array
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,9 +20,10 @@ from .fmu.results import item
 if TYPE_CHECKING:
     import pandas
 
+OF_ARRAY = 112  # Size of a numpy array beside its numbers, bytes
 LARGEST = 40_000_000
 """Size of a recording without an interval, bytes, at which every second row is dropped. Reading it takes as much again, so both fit
-in 100 MB. All outputs of 80 s in steps of 1 ms fit in it; an hour then has a row each 64 ms."""
+in 100 MB. All outputs of 60 s in steps of 1 ms fit in it; an hour then has a row each 64 ms."""
 
 
 class Ramp(NamedTuple):
@@ -104,11 +104,12 @@ class Recording:
         self._chosen = [places["time"], *(item(places, name, "run", "column") for name in columns)]
         self._type = np.dtype([(name, float) for name in ("time", *columns)])
         self._interval = record.interval
-        self._most = max(LARGEST // self._type.itemsize, 2) if self._interval is None else None
+        self._most = max(LARGEST // (self._type.itemsize + OF_ARRAY), 2) if self._interval is None else None
         self.clear()
 
     def clear(self) -> None:
-        self._values, self._stride, self._offered, self._due = array("d"), 1, 0, -math.inf
+        self._rows: list[Array] = []
+        self._stride, self._offered, self._due = 1, 0, -math.inf
         self._latest: Array | None = None
 
     def add(self, row: Array) -> None:
@@ -121,37 +122,23 @@ class Recording:
             begin = time if self._due == -math.inf else self._due
             self._due = begin + (math.floor((time - begin) / self._interval + 1e-9) + 1) * self._interval
         if due:
-            self._values.frombytes(row[self._chosen].tobytes())
-            if self._most is not None and self._kept > self._most:
-                self._values = array("d", self._rows[::2].tobytes())
-                self._stride *= 2
+            self._rows.append(row[self._chosen])
+            if self._most is not None and len(self._rows) > self._most:
+                self._rows, self._stride = self._rows[::2], 2 * self._stride
 
     def cut(self, time: float) -> None:
         """Removes the rows after a time, s, and at it."""
-        count = int(np.searchsorted(self._rows[:, 0], time * (1.0 - 1e-12)))
-        self._values = self._values[: count * len(self._chosen)]
-        self._latest, self._offered, self._due = None, count * self._stride, min(self._due, time)
-
-    @property
-    def _kept(self) -> int:
-        return len(self._values) // len(self._chosen)
-
-    @property
-    def _rows(self) -> Array:
-        """The kept rows. No row can be added while this view exists."""
-        return np.frombuffer(self._values).reshape(-1, len(self._chosen))
+        self._rows = [row for row in self._rows if row[0] < time * (1.0 - 1e-12)]
+        self._latest, self._offered, self._due = None, len(self._rows) * self._stride, min(self._due, time)
 
     def __len__(self) -> int:
-        return self._kept + self._has_more()
+        return len(self._rows) + len(self._more())
 
-    def _has_more(self) -> bool:
-        """Whether the latest row is not among those that are kept."""
-        return self._latest is not None and (not self._kept or self._values[-len(self._chosen)] < self._latest[0])
+    def _more(self) -> list[Array]:
+        """The latest row, if it is not among those that are kept."""
+        late = self._latest is not None and (not self._rows or self._rows[-1][0] < self._latest[0])
+        return [self._latest[self._chosen]] if late and self._latest is not None else []
 
     def table(self) -> NDArray[Any]:
         """All rows as a record array."""
-        rows = np.empty((len(self), len(self._chosen)))
-        rows[: self._kept] = self._rows
-        if self._latest is not None and self._has_more():
-            rows[-1] = self._latest[self._chosen]
-        return rows.view(self._type).reshape(-1)
+        return np.array([*self._rows, *self._more()]).view(self._type).reshape(-1)

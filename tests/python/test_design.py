@@ -140,7 +140,7 @@ def test_a_hypercube_runs_and_goes_on(fmu: Path, tmp_path: Path, capsys: pytest.
     assert np.ptp(table["friction.pulley"].to_numpy()) > 0.02
     assert table["utilisation"].to_pylist() == pytest.approx([0.6] * 12)
     assert table["reason"].null_count == 12
-    assert json.loads(table.schema.metadata[METADATA])["grid"]["columns"]["belt.play"] == {"unit": "m"}
+    assert json.loads(table.schema.metadata[METADATA])["grid"]["columns"] == ["ring.layers", "belt.play", "friction.pulley"]
     # Thrust ratios rise with friction, as in the maps.
     rank = table.select(["friction.pulley", "thrustRatio"]).to_pandas().corr("spearman").iloc[0, 1]
     assert rank > 0.8
@@ -232,7 +232,7 @@ def test_jobs_of_slurm_solve_a_study(fmu: Path, tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     design = crossed([Varied("belt.play", (1e-4, 3e-4)), Varied("utilisation", (0.3, 0.6))])
     study = Study(fmu, variator("bench168", changes=MESH, varied=design.columns), design)
-    queue, jobs = slurm(f"jobs=2 walltime=00:30:00 scratch={tmp_path}")
+    queue, jobs = slurm(f"jobs=2 walltime=00:30:00 local_directory={tmp_path}")
     with queue:
         queue.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
         found = table(study, solve(study, tmp_path / "out", scheduler=queue, chunk=1))

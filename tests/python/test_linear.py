@@ -76,10 +76,12 @@ def test_the_present_state_of_a_run_has_one_if_it_is_steady(fmu: Path, coarse: V
         variator.step(0.01)
 
 
-def test_a_load_near_the_one_that_follows_is_taken(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["secondary.torque=-59", *WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
+def test_the_command_prints_the_loads_that_follow(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = [*WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
     assert linearize.main(words) == 0
     assert "secondary.torque = -5" in capsys.readouterr().out
+    assert linearize.main(["secondary.torque=-59", *words]) == 1
+    assert "secondary.torque follows from the point: leave it out" in capsys.readouterr().err
     model = load_linear(tmp_path / "out" / "models.npz")[0, 0]
     assert (model.coordinates, model.sample_time) == ("modal", None)
 
@@ -179,9 +181,9 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
 
 
 def test_lists_and_ranges_are_read() -> None:
-    asked = linearize.asked(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
-    assert asked.points == {"initial.ratio": [0.5, 1.0, 1.5, 2.0], "primary.torque": [20.0, 40.0]}
-    assert asked.changes == {"ring.model": ["ALE0", "ALE"]} and asked.parameters == {"belt.play": "1e-4"}
+    found = linearize.asked(["initial.ratio=0.5:2:4", "primary.torque=20, 40", "ring.model=ALE0,ALE", "belt.play=1e-4"])
+    points = {"initial.ratio": [0.5, 1.0, 1.5, 2.0], "primary.torque": [20.0, 40.0]}
+    assert found == (points, {"belt.play": "1e-4"}, {"ring.model": ["ALE0", "ALE"]})
 
 
 def test_a_grid_is_written_with_its_report(
@@ -262,12 +264,12 @@ def grid_of(**axes: list[float]) -> LinearGrid:
 
 def test_the_ratio_has_a_colour_and_the_torque_a_dash() -> None:
     found = chosen(grid_of(ratio=[0.5, 1.0, 2.0], torque=[20.0, 50.0], speed=[100.0, 200.0, 300.0]))
-    looks = {one.name: (one.colour, one.dash) for one in found}
+    looks = {look["name"]: (look["colour"], look["dash"]) for look, _ in found}
     assert looks == {
         f"ratio {ratio}, torque {torque} N·m, speed 1910 rpm": (COLOURS[k], DASHES[m])
         for k, ratio in enumerate(("0.5", "1", "2"))
         for m, torque in enumerate((20, 50))
     }
     many = chosen(grid_of(ratio=list(np.linspace(0.5, 2.0, 9)), torque=list(np.linspace(10.0, 90.0, 9))))
-    assert len({(one.colour, one.dash) for one in many}) == len(many) == 12
-    assert many[0].name == "ratio 0.5, torque 10 N·m" and many[-1].name == "ratio 2, torque 90 N·m"
+    assert len({(look["colour"], look["dash"]) for look, _ in many}) == len(many) == 12
+    assert many[0][0]["name"] == "ratio 0.5, torque 10 N·m" and many[-1][0]["name"] == "ratio 2, torque 90 N·m"

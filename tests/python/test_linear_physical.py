@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from pushbelt import ArgumentError, LinearGrid, LinearModel, LinearPointError, Variator
-from pushbelt.linear import physical as linear_physical
+from pushbelt import ArgumentError, LinearGrid, LinearModel, LinearPointError, Variator, points
 from pushbelt.linear.physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
 
 ALL = ("primary.torque", "primary.clampingForce", "secondary.torque", "secondary.clampingForce")
@@ -103,15 +104,16 @@ def test_more_modes_are_searched_until_they_are_enough() -> None:
     asked = []
     modes = [-0.3, -2.0, -700.0, -4000.0]
 
-    def linearise(frequency: float) -> LinearModel:
+    def linearise(frequency: float) -> dict[str, Any]:
         asked.append(frequency)
-        return invented([one for one in modes if abs(one) < 2.0 * np.pi * frequency])
+        return invented([one for one in modes if abs(one) < 2.0 * np.pi * frequency]).document()
 
-    assert linear_physical.with_enough_modes(linearise, 30.0).poles == pytest.approx([-0.3, -2.0, -700.0])
+    solver = SimpleNamespace(linearise=linearise)
+    assert points.model_of(solver, 30.0, "physical", None).poles == pytest.approx([-0.3, -2.0, -700.0])
     assert asked == [30.0, 60.0, 120.0]
     modes = modes[:2]
     with pytest.raises(NotPhysicalError, match="2 modes"):
-        linear_physical.with_enough_modes(linearise, 30.0)
+        points.model_of(solver, 30.0, "physical", None)
     assert max(asked) < 4e3
 
 
@@ -207,6 +209,6 @@ def test_models_of_other_kinds_are_not_mixed(sampled: bool, tmp_path: Path) -> N
 
 
 def test_too_few_modes_are_a_reason(coarse: Variator, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(linear_physical, "MOST_HERTZ", 0.0)
+    monkeypatch.setattr(points, "MOST_HERTZ", 0.0)
     with pytest.raises(LinearPointError, match=r"at ratio 1, 30 N·m.*modes are below 1 Hz, but \d are needed"):
         coarse.linearize(1.0, 30.0, force=9e3, states="physical", frequency=1.0)

@@ -35,9 +35,9 @@ with pushbelt.Variator("bench168", {"ring.model": "ALE0"}, record=pushbelt.Recor
 pushbelt.MapVariator().start(1.0, 200.0)
 print(sys.version_info[:2], numpy.__version__, pandas.__version__)
 """
-SHORTER = {"demo": "--short", "drive": "--short --until 5", "maps": "--short", "map-fmu": "--short", "sweep": "--short"}
+SHORTER = {"demo": "--short", "drive": "--short --until 5", "maps": "--short", "sweep": "--short"}
 DESIGNS = ("--vary", "--points", "--ratio")  # Options of `sweep` that exclude --short, or make few points
-LEFT_OUT = {"--scheduler": "it needs the scheduler of a cluster", "--arm": "it needs an FMU with a library for ARM, which test_arm.py has", **dict.fromkeys(("…", "COMMAND", "WORD", "PAGE"), "it is not whole")}
+LEFT_OUT = {"--scheduler": "it needs the scheduler of a cluster", **dict.fromkeys(("…", "COMMAND", "WORD", "PAGE"), "it is not whole")}
 OTHER = ["pushbelt variables slip", "pushbelt docs linear", "pushbelt cache --clear"]  # Commands without a line in the book
 CODES = {"calibrate": (0, 3), "belt": (0, 3)}  # Exit codes; the example table need not fit
 RUN = "time [s],ring.speed [m/s],distance [m],ring.stressAmplitude.primary [MPa],ring.stressMean.primary [MPa]," \
@@ -123,7 +123,7 @@ def prepare(folder: Path, data: Path) -> None:
 def shortened(words: Sequence[str]) -> list[str]:
     """A line that takes seconds."""
     name, more = words[1], SHORTER.get(words[1], "").split()
-    if name == "map-fmu" and "--variator" not in words or name == "sweep" and {*words} & {*DESIGNS}:
+    if name == "sweep" and {*words} & {*DESIGNS}:
         more = []
     return [*words[1:], *(["--print-job"] if "--slurm" in words else [] if "--short" in words and more == ["--short"] else more)]
 

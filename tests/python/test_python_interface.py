@@ -136,10 +136,10 @@ def test_steps_and_help_need_no_extra_and_a_program_names_its_own(declared: dict
 
 
 def test_only_an_error_of_the_package_has_no_traceback(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    old = tmp_path / "old.json"
-    old.write_text(json.dumps({"parameters": {"belt.contactStrain": {"value": 1.0}}}), encoding="utf-8")
-    assert cli.main(["demo", "--variator", str(old), "--fmu", str(fmu), "--output", str(tmp_path)]) == 1
-    assert "belt.contactStrain" in capsys.readouterr().err
+    own = tmp_path / "own.json"
+    own.write_text(json.dumps({"base": "bench168", "parameters": {"belt.colour": {"value": 1.0}}}), encoding="utf-8")
+    assert cli.main(["demo", "--variator", str(own), "--fmu", str(fmu), "--output", str(tmp_path)]) == 1
+    assert "belt.colour" in capsys.readouterr().err
     monkeypatch.setattr("pushbelt.demo.__main__.main", console.program("demo", "reports")(lambda _: int("an error within the program")))
     with pytest.raises(ValueError, match="invalid literal"):
         cli.main(["demo", "--fmu", str(fmu)])

@@ -145,15 +145,6 @@ def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: 
         pushbelt.default_fmu()
 
 
-def test_start_values_of_a_copy_hold_in_an_importer_that_passes_none_on(fmu: Path, tmp_path: Path) -> None:
-    """`fmpy.simulate_fmu`, libcosim and ecos do not set the start values of the model description."""
-    own = {"ring.model": 1, "friction.pulley": 0.085, "initial.ratio": 1.4, "primary.clampingForce": 15e3}
-    assert cli.main(["fmu", str(tmp_path / "own.fmu"), "--fmu", str(fmu), *(f"--set={name}={value}" for name, value in own.items())]) == 0
-    settings = {"stop_time": 0.02, "output_interval": 1e-3, "output": ["thrustRatio", "belt.speed", "loss.total", "spiral.secondary"]}
-    found, expected = (simulate_fmu(str(file), start_values=start, **settings) for file, start in ((tmp_path / "own.fmu", {}), (fmu, own)))
-    assert found.tolist() == expected.tolist()
-
-
 def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     copy = tmp_path / "own.fmu"
     words = ["--variator", "belt155", *(f"--set={text}" for text in ("ring.model=ALE0", "initial.ratio=1.6", "initial.steady=false"))]

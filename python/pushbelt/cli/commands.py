@@ -10,9 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import pushbelt
-
-from ..errors import ArgumentError, require, similar
+from ..errors import ArgumentError, similar
 from ..fmu import cache, copies, start_values
 from ..fmu.data import parameter_set
 from ..fmu.files import DOCS, EXAMPLES, default_fmu, found
@@ -29,14 +27,12 @@ def write_fmu(options: argparse.Namespace) -> int:
     description = _check_version(fmu, options)
     if options.scalars and description.fmiVersion != "3.0":
         raise ArgumentError(f"--scalars: {fmu} is of FMI {description.fmiVersion}, which has no arrays; --fmi3 takes that of FMI 3.0")
-    if options.arm:
-        copies.check_arm(fmu, description.fmiVersion)
     has_values = options.set or options.variator or options.ssv
     if description.variableNamingConvention == "flat" and (has_values or options.scalars or options.real_outputs):
         raise ArgumentError(f"{fmu} has flat names: write a copy of the original, with --flat and the other options together")
     source, facts = fmu, []
     remarks: list[str] = []
-    if has_values or not (options.flat or options.scalars or options.real_outputs or options.arm):
+    if has_values or not (options.flat or options.scalars or options.real_outputs):
         values, remarks = _chosen(fmu, description, options)
         start_values.write_copy(fmu, options.copy, values)
         source, facts = options.copy, [f"{len(values)} start values"]
@@ -46,10 +42,7 @@ def write_fmu(options: argparse.Namespace) -> int:
     }  # fmt: skip
     if chosen := {name: change for name, change in changes.items() if change}:
         copies.write_copy(source, options.copy, *chosen.values())
-        source, facts = options.copy, [*facts, *chosen]
-    if options.arm:
-        copies.write_arm_copy(source, options.copy)
-        facts.append("linux64 for ARM")
+        facts += chosen
     _print(options.copy, remarks, f" ({', '.join(facts)})")
     return 0
 
@@ -98,10 +91,6 @@ def _print(copy: Path, remarks: list[str], more: str = "") -> None:
 def write_map_fmu(options: argparse.Namespace) -> int:
     """`pushbelt map-fmu`: writes tables and start values into a copy of the FMU of maps, and starts the copy once."""
     _check_name(options.copy)
-    if options.maps and options.variator:
-        raise ArgumentError("--maps and --variator exclude each other: a file of maps has its variator's parameters")
-    if options.short and not options.variator:
-        raise ArgumentError("--short is for maps that are solved for: it needs --variator")
     packed = ("PUSHBELT_MAP_FMU3", "PushbeltMap3.fmu", "cargo fmu build --map --fmi3")
     fmu = options.fmu or (found(*packed) if options.fmi3 else map_unit.default_fmu())
     description = _check_version(fmu, options)
@@ -109,12 +98,7 @@ def write_map_fmu(options: argparse.Namespace) -> int:
         raise ArgumentError(f"{fmu} is no FMU of maps such as PushbeltMap.fmu")
     # Maps for FMI 3.0 are tried in the FMU of FMI 2.0.
     tried = map_unit.default_fmu() if description.fmiVersion == "3.0" else fmu
-    if options.variator:
-        require("sweep")
-        # Finished lines remain in a folder beside the FMU.
-        maps: Maps | bytes = pushbelt.maps(variator=options.variator, short=options.short, output=options.copy.parent / "pushbelt-maps")
-    else:
-        maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
+    maps = Maps.read(options.maps) if options.maps else map_unit.default_maps().read_bytes()
     with TemporaryDirectory() as folder:
         map_unit.write_fmu(trial := Path(folder) / "trial.fmu", maps, tried, dict(options.set))
         with Archive.unpack(trial) as archive:

@@ -92,13 +92,12 @@ class SlipControl:
     LOW, HIGH, RESCUE = 0.9, 1.6, 1.5
     HOLD = 0.3  # Least duration of an intervention, s
     LEAST_SPEED = 60.0  # Least speed of the primary pulley for slip control, rad/s
+    utilisation = 0.9  # Torque utilisation of the set point
 
-    def __init__(
-        self, friction: Friction, thrust_map: ThrustMap, flywheel: float, utilisation: float = 0.9, safety: float = 1.3
-    ) -> None:
+    def __init__(self, friction: Friction, thrust_map: ThrustMap, flywheel: float) -> None:
         """`flywheel` is the inertia that the engine adds to the primary pulley, kg·m²."""
-        self.friction, self.map, self.flywheel, self.utilisation = friction, thrust_map, flywheel, utilisation
-        self.fallback, self.interventions = SafetyFactor(friction, safety), 0
+        self.friction, self.map, self.flywheel = friction, thrust_map, flywheel
+        self.fallback, self.interventions = SafetyFactor(friction), 0
         self._integral = self._rescue_left = 0.0
 
     @property

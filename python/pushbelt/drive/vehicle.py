@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import published_data
+from pushbelt.steel import check_ranges
 
 from .cycle import Cycle
 from .piecewise import clip, interpolate
@@ -93,11 +93,9 @@ def demo_car(**changes: float) -> Car:
     """The car of `demoCar`, with other values. Raises ArgumentError for one out of its range."""
     names = "mass dragArea rollingResistance wheelRadius finalDrive engineInertia engineMaxTorque engineMaxPower".split()
     data = published_data()["demoCar"]
-    for name, value in changes.items():
-        low, high, unit = RANGES[name]
-        if not low <= value <= high:
-            raise ArgumentError(f"{name} of the car is {value:g} {unit}, not within {low:g} to {high:g} {unit}")
-    return replace(Car(*(data[name] for name in names)), **changes)
+    car = replace(Car(*(data[name] for name in names)), **changes)
+    check_ranges(car, "the car", RANGES)
+    return car
 
 
 class Powertrain:

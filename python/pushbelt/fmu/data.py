@@ -19,11 +19,6 @@ from .geometry import TwoPulleyCurve, primary_radius, theta_of
 from .results import BeltState, LoadCase, Trace
 from .untrusted import InputFileError, read_parameters
 
-REMOVED = {
-    "belt.contactStrain": "set belt.roughness to the same strain times belt.elementThickness",
-    "belt.filmForce": "delete it, and use the defaults of belt.filmDamping and belt.squeezeDamping",
-}
-"""Parameters of earlier versions, and what to do."""
 SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
 BELT_LENGTH = 0.2, 5.0  # Range of the length of a belt, m
 
@@ -40,8 +35,7 @@ def parameter_set(name: str | os.PathLike[str]) -> dict[str, float]:
     A file that adds to another set names it as `base`: one of these names, or a file ….json beside it. The pins of a pull chain are at its
     centre line: `belt.pitchOffset` is 0 then, as in the FMU.
 
-    Raises MissingFileError for another name, and InputFileError if the file is not a parameter set, or if it is from an earlier version in which
-    parameters have another meaning.
+    Raises MissingFileError for another name, and InputFileError if the file is not a parameter set.
     """
     return _whole_set(name)[0]
 
@@ -63,7 +57,6 @@ def _whole_set(name: str | os.PathLike[str]) -> tuple[dict[str, float], dict[str
         seen.add(path.resolve())
         below, wide, base = read_parameters(path)
         values, deviations = {**below, **values}, {**wide, **deviations}
-    _refuse_old(first, values)
     if is_chain(values):
         values["belt.pitchOffset"] = 0.0
         deviations.pop("belt.pitchOffset", None)
@@ -89,16 +82,6 @@ def needed(parameters: Mapping[str, float], name: str) -> float:
 
 def is_chain(parameters: Mapping[str, float]) -> bool:
     return parameters.get("belt.kind") == BeltKind.PULL_CHAIN
-
-
-def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
-    """Rejects a parameter set of an earlier version, in which the tilt had no clearance and parameters had another meaning."""
-    for name in REMOVED.keys() & values.keys():
-        raise InputFileError(f"{path}: {name} has been removed; {REMOVED[name]}")
-    for pulley in ("primary", "secondary"):
-        if f"{pulley}.tiltStiffness" in values and f"{pulley}.tiltClearance" not in values:
-            why = f"{pulley}.tiltStiffness without {pulley}.tiltClearance; the stiffness now applies beyond a clearance"
-            raise InputFileError(f"{path}: {why}. Set the clearance to 0 for the linear tilt of earlier versions")
 
 
 def published_data() -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import checks, text, whole
+from ..arguments import names as a_list
 from ..errors import ArgumentError, UnknownNameError, package, similar
 from .geometry import Array
 
@@ -110,6 +111,7 @@ class SteadyState(BeltState):
     load_torque: float  # Secondary torque of the steady state, N·m
     derivatives: Callable[[Iterable[str], str], pandas.DataFrame] | None = field(default=None, repr=False, compare=False)
 
+    @checks(names=lambda name, value: (value,) if isinstance(value, str) else a_list(name, value), hold=text)
     def gradient(self, names: Iterable[str], *, hold: str = "ratio") -> pandas.DataFrame:
         """Derivatives of the outputs (rows) over real parameters, inputs, and `ratio`, `torque`, `speed` and `force` (columns), SI units.
 
@@ -119,7 +121,7 @@ class SteadyState(BeltState):
         """
         if self.derivatives is None:
             raise ArgumentError("a state that was stored or solved by a program has no gradient: use that of Variator.steady")
-        return self.derivatives([names] if isinstance(names, str) else names, hold)
+        return self.derivatives(names, hold)
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "derivatives": None}
@@ -204,13 +206,9 @@ class Trace(Drawn):
 
 def intervals(time: Array, flag: Array, gap: float = 0.0) -> list[tuple[float, float]]:
     """Time intervals in which a flag is true. Intervals less than `gap` seconds apart are merged."""
-    up = np.concatenate([[False], np.asarray(flag) > 0.5, [False]])
-    edges = np.flatnonzero(up[1:] != up[:-1])
-    found: list[tuple[float, float]] = []
-    for first, after in edges.reshape(-1, 2):
-        start, end = float(time[first]), float(time[after - 1])
-        if found and start - found[-1][1] <= gap:
-            found[-1] = (found[-1][0], end)
-        else:
-            found.append((start, end))
-    return found
+    steps = np.diff(np.concatenate([[0], np.asarray(flag) > 0.5, [0]]))
+    starts, ends = time[np.flatnonzero(steps > 0)], time[np.flatnonzero(steps < 0) - 1]
+    if not len(starts):
+        return []
+    apart = starts[1:] - ends[:-1] > gap
+    return list(zip(starts[[True, *apart]].tolist(), ends[[*apart, True]].tolist(), strict=True))

@@ -21,7 +21,7 @@ from fmpy import fmi2
 from ..errors import PushbeltError
 from .enumerations import StartState
 from .geometry import Array
-from .results import Profile
+from .results import Profile, item
 from .untrusted import InputFileError, described, named
 
 try:
@@ -34,8 +34,7 @@ TRUTHS = ("macroSlip", "pastPeak")  # Outputs that are true or false
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {one.name: re.sub("_(.)", lambda found: found[1].upper(), one.name) for one in fields(Profile)}
 """Names of the fields along the belt in the FMU."""
-CALLED = {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"}
-"""Type in the names of the functions that set and get a variable of a type."""
+CALLED = {"Enumeration": "Integer"}  # Type in the names of the functions, where it is not that of the variable
 
 
 class UnitError(PushbeltError, RuntimeError):
@@ -44,7 +43,6 @@ class UnitError(PushbeltError, RuntimeError):
 
 class Message(NamedTuple):
     status: int  # `fmi2Status`
-    category: str
     text: str
 
 
@@ -64,7 +62,7 @@ class Archive(AbstractContextManager["Archive"]):
             return cls(Path(fmpy.extract(str(fmu), directory)), description)
 
     def __exit__(self, *_: object) -> None:
-        self.remove()
+        shutil.rmtree(self.directory, ignore_errors=True)
 
     @property
     def version(self) -> str:
@@ -79,18 +77,13 @@ class Archive(AbstractContextManager["Archive"]):
         """Units of all variables by name; 1 for those without one."""
         return {name: variable.unit or "1" for name, variable in self.variables.items()}
 
-    def remove(self) -> None:
-        shutil.rmtree(self.directory, ignore_errors=True)
 
+class Reals(NamedTuple):
+    """Real variables that are repeatedly read or set together; `values` is the space to read them."""
 
-class Reals:
-    """Real variables that are repeatedly read or set together."""
-
-    def __init__(self, names: Iterable[str], references: Iterable[int]) -> None:
-        self.names = tuple(names)
-        references = list(references)
-        self.references = (ctypes.c_uint32 * len(references))(*references)
-        self.values = (ctypes.c_double * len(references))()
+    names: tuple[str, ...]
+    references: ctypes.Array[ctypes.c_uint32]
+    values: ctypes.Array[ctypes.c_double]
 
 
 class Instance(AbstractContextManager["Instance"]):
@@ -99,8 +92,8 @@ class Instance(AbstractContextManager["Instance"]):
     _logs: ClassVar[dict[int, list[Message]]] = {}
     """Logs of the existing instances, by the environment that their messages contain."""
 
-    def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
-        self._instance = _instance(archive, name)
+    def __init__(self, archive: Archive, start_values: Mapping[str, float]) -> None:
+        self._instance = _instance(archive)
         self.variables = archive.variables
         self.log: list[Message] = []
         self.time = 0.0
@@ -117,7 +110,7 @@ class Instance(AbstractContextManager["Instance"]):
         self._call(self._instance.instantiate, callbacks=self._callbacks)
         try:
             self._set_up(start_values)
-        except UnitError:
+        except PushbeltError:
             self.free()
             raise
 
@@ -185,18 +178,19 @@ class Instance(AbstractContextManager["Instance"]):
 
     def set(self, values: Mapping[str, float]) -> None:
         for name, value in values.items():
-            variable = self.variables[name]
-            self._call(getattr(self._instance, f"set{CALLED[variable.type]}"), [variable.valueReference], [value])
+            variable = item(self.variables, name, "FMU", "variable")
+            self._call(getattr(self._instance, f"set{CALLED.get(variable.type, variable.type)}"), [variable.valueReference], [value])
 
     def get(self, name: str) -> float:
         variable = self.variables[name]
-        (value,) = self._call(getattr(self._instance, f"get{CALLED[variable.type]}"), [variable.valueReference])
+        (value,) = self._call(getattr(self._instance, f"get{CALLED.get(variable.type, variable.type)}"), [variable.valueReference])
         return bool(value) if variable.type == "Boolean" else value
 
     def reals(self, names: Iterable[str]) -> Reals:
         """Prepares real variables to be read or set together."""
-        names = list(names)
-        return Reals(names, (self.variables[name].valueReference for name in names))
+        names = tuple(names)
+        references = (self.variables[name].valueReference for name in names)
+        return Reals(names, (ctypes.c_uint32 * len(names))(*references), (ctypes.c_double * len(names))())
 
     def get_reals(self, reals: Reals) -> Array:
         self._call(self._instance.fmi2GetReal, self._instance.component, reals.references, len(reals.names), reals.values)
@@ -268,10 +262,10 @@ class Instance(AbstractContextManager["Instance"]):
             errors = [message.text for message in self.log[before:] if message.status > fmi2.fmi2Warning]
             raise UnitError("; ".join(errors) or str(error)) from error
 
-    def _record(self, environment: int, _instance: Any, status: int, category: bytes, message: bytes) -> None:
+    def _record(self, environment: int, _instance: Any, status: int, _category: bytes, message: bytes) -> None:
         log = self._logs.get(environment)
         if log is not None:
-            log.append(Message(status, category.decode(), message.decode("utf-8", errors="replace")))
+            log.append(Message(status, message.decode("utf-8", errors="replace")))
 
 
 class _Lock:
@@ -288,7 +282,7 @@ _LOADING = _Lock()
 """fmpy changes the folder of the process while it loads a library, and does not return from it after an error."""
 
 
-def _instance(archive: Archive, name: str) -> fmi2.FMU2Slave:
+def _instance(archive: Archive) -> fmi2.FMU2Slave:
     """The library of an FMU. Raises UnitError if it cannot be loaded."""
     description = archive.description
     refuse_others(description.modelName, description)
@@ -296,14 +290,13 @@ def _instance(archive: Archive, name: str) -> fmi2.FMU2Slave:
     binaries = binaries_of(archive.directory)
     # Without it fmpy knows the older names of folders only.
     library = binaries and str((binaries / identifier).resolve()) + fmpy.sharedLibraryExtension
-    given = {"guid": description.guid, "modelIdentifier": identifier, "instanceName": name}
+    given = {"guid": description.guid, "modelIdentifier": identifier, "instanceName": "variator"}
     with _LOADING.lock:
         here = os.getcwd()
         try:
             return fmi2.FMU2Slave(unzipDirectory=str(archive.directory), libraryPath=library, **given)
         except Exception as error:
-            why = _not_executable(archive) or str(error).strip()
-            raise UnitError(f"the library of the FMU cannot be loaded: {why}") from error
+            raise UnitError(f"the library of the FMU cannot be loaded: {str(error).strip()}") from error
         finally:
             os.chdir(here)
 
@@ -331,14 +324,6 @@ def belt_described(fmu: Path) -> Any:
     if all(one.name != "ring.model" for one in description.modelVariables):
         raise InputFileError(f"{fmu} has no ring.model: PushbeltVariator.fmu is needed, which runs the belt; only `drive` takes PushbeltMap.fmu")
     return description
-
-
-def _not_executable(archive: Archive) -> str | None:
-    """Remark on a file system that does not allow execution; None otherwise."""
-    if not (hasattr(os, "ST_NOEXEC") and os.statvfs(archive.directory).f_flag & os.ST_NOEXEC):
-        return None
-    moved = "let the environment variable PUSHBELT_CACHE, or TMPDIR for a temporary one, name another folder"
-    return f"the file system of {archive.directory} does not allow execution (noexec): {moved}"
 
 
 def output_names(variables: Iterable[Any]) -> list[str]:

@@ -222,34 +222,19 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
     path.open("rb").close()
     try:
         with np.load(path, allow_pickle=False) as file:
-            found = dict(file)
-        axes = {str(name): found[f"axis.{name}"] for name in found["axes"]}
-        models = np.full(found["order"].shape, None, dtype=object)
-        for place, order in np.ndenumerate(found["order"]):
-            if order:
-                models[place] = _model(found, place)
-        return LinearGrid(axes, models, found["reasons"].astype(object))
+            document = json.loads(str(file["document"]))
+        axes = {name: np.array(values, dtype=float) for name, values in document["axes"].items()}
+        shape = tuple(map(len, axes.values()))
+        models, reasons = np.full(shape, None, dtype=object), np.full(shape, "", dtype=object)
+        for place, one in zip(np.ndindex(shape), document["models"], strict=True):
+            if "reason" in one:
+                reasons[place] = one["reason"]
+            else:
+                models[place] = LinearModel.of(one)
+        return LinearGrid(axes, models, reasons)
     # Readers of other and of damaged files raise any of these.
     except (LookupError, ValueError, TypeError, AttributeError, EOFError, OSError, NotImplementedError, BadZipFile, zlib.error) as error:
         raise InputFileError(f"{path} does not contain linear models: {error}") from error
-
-
-def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
-    n, remarks, poles = int(found["order"][place]), str(found["remarks"][place]), found["poles"][place]
-    inputs, outputs, units = (found[name].tolist() for name in ("inputs", "outputs", "units"))
-    loads = zip(inputs, units[: len(inputs)], found["given"][place].tolist(), found["held"][place].tolist(), strict=True)
-    readings = zip(outputs, units[len(inputs) :], found["values"][place].tolist(), strict=True)
-    return LinearModel.of({
-        "A": found["A"][place][:n, :n], "B": found["B"][place][:n], "C": found["C"][place][:, :n], "D": found["D"][place],
-        "inputs": [dict(zip(("name", "unit", "given", "held"), one, strict=True)) for one in loads],
-        "outputs": [dict(zip(("name", "unit", "value"), one, strict=True)) for one in readings],
-        "states": found["states"][place][:n].tolist(), "poles": np.column_stack([poles.real, poles.imag])[:n],
-        "frequency": {"value": float(found["frequency"])}, "slip": float(found["slip"][place]),
-        "macroSlip": found["macroSlip"][place] == 1.0, "remarks": remarks.split("\n") if remarks else (),
-        # Files of earlier versions have no coordinates.
-        "coordinates": str(found.get("coordinates", "modal")),
-        "sampleTime": float(found["sampleTime"]) if np.isfinite(found.get("sampleTime", np.nan)) else None,
-    })  # fmt: skip
 
 
 def _arrays(model: LinearModel) -> dict[str, Any]:
@@ -262,35 +247,34 @@ def _arrays(model: LinearModel) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def _names(grid: LinearGrid) -> dict[str, Sequence[str]]:
+    """Names and units that all models have."""
+    first = next(model for _, model in grid.points())
+    units = [first.units[name] for name in (*first.inputs, *first.outputs)]
+    return {"inputs": first.inputs, "outputs": first.outputs, "units": units, "axes": list(grid.axes)}
+
+
 def _npz(grid: LinearGrid, path: Path) -> None:
-    """Arrays over the grid, with the axes of the grid first. Missing values are NaN or empty."""
-    there = {place: model for place, model in np.ndenumerate(grid.models) if model is not None}
-    rows = {k: _arrays(one) | {"order": np.array(len(one.a)), "remarks": np.array("\n".join(one.remarks))} for k, one in there.items()}
+    """The text of the JSON file, and arrays over the grid, with the axes of the grid first. Missing values are NaN or empty."""
+    rows = {place: _arrays(model) for place, model in np.ndenumerate(grid.models) if model is not None}
 
     def full(name: str) -> Array:
         values = [row[name] for row in rows.values()]
         shape, kind = np.max([value.shape for value in values], axis=0).astype(int), max(value.dtype for value in values)
-        found = np.full((*grid.shape, *shape), {"U": "", "i": 0}.get(kind.kind, np.nan), dtype=kind)
+        found = np.full((*grid.shape, *shape), "" if kind.kind == "U" else np.nan, dtype=kind)
         for place, value in zip(rows, values, strict=True):
             found[(*place, *map(slice, value.shape))] = value
         return found
 
-    first = next(iter(there.values()))
     tables: dict[str, Any] = {name: full(name) for name in next(iter(rows.values()))}
     tables |= {f"axis.{name}": values for name, values in grid.axes.items()}
-    np.savez_compressed(
-        path, about=ABOUT, coordinates=first.coordinates, sampleTime=first.sample_time or np.nan,
-        inputs=np.array(first.inputs), outputs=np.array(first.outputs),
-        units=np.array([first.units[name] for name in (*first.inputs, *first.outputs)]),
-        frequency=first.frequency, reasons=grid.reasons.astype(str), axes=np.array(list(grid.axes), dtype=str),
-        **tables,
-    )  # fmt: skip
+    tables |= {name: np.array(values, dtype=str) for name, values in _names(grid).items()}
+    np.savez_compressed(path, about=ABOUT, document=json.dumps(_document(grid)), reasons=grid.reasons.astype(str), **tables)
 
 
 def _mat(grid: LinearGrid, path: Path) -> None:
     """A cell array of structures, one per point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
     savemat = package("scipy.io", ".mat files need scipy", "control").savemat
-    first = next(model for _, model in grid.points())
     cells = np.empty(grid.shape if grid.shape else (1,), dtype=object)
     for k, (place, model) in enumerate(np.ndenumerate(grid.models)):
         cells.flat[k] = {"reason": grid.reasons[place]}
@@ -301,14 +285,15 @@ def _mat(grid: LinearGrid, path: Path) -> None:
             cells.flat[k] |= {**_arrays(model), **texts, **sampled, **about, "reason": ""}
     points = np.empty(len(grid.axes), dtype=object)
     points[:] = list(grid.axes.values())
-    units = [first.units[name] for name in (*first.inputs, *first.outputs)]
-    names = {"inputs": first.inputs, "outputs": first.outputs, "units": units, "axes": grid.axes}
-    texts = {key: np.array(list(value), dtype=object) for key, value in names.items()}
+    texts = {key: np.array(value, dtype=object) for key, value in _names(grid).items()}
     savemat(path, {"about": ABOUT, "models": cells, **texts, "points": points}, oned_as="column")
 
 
-def _json(grid: LinearGrid, path: Path) -> None:
+def _document(grid: LinearGrid) -> dict[str, Any]:
     rows = np.ndenumerate(grid.models)
     models = [grid.point(k) | ({"reason": grid.reasons[k]} if model is None else model.document()) for k, model in rows]
-    axes = {name: values.tolist() for name, values in grid.axes.items()}
-    path.write_text(json.dumps({"about": ABOUT, "axes": axes, "models": models}, indent=1), encoding="utf-8")
+    return {"about": ABOUT, "axes": {name: values.tolist() for name, values in grid.axes.items()}, "models": models}
+
+
+def _json(grid: LinearGrid, path: Path) -> None:
+    path.write_text(json.dumps(_document(grid), indent=1), encoding="utf-8")

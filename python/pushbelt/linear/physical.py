@@ -12,7 +12,7 @@ x, and to w = ż/|λ| − p B u/|λ| of the pair's share z = p ξ of x, in the d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -106,12 +106,3 @@ def _pair(rows: Array, a: Array, n: int) -> tuple[Array, float]:
     share = np.zeros_like(rows[0])
     share[n - 1 :] = (normal @ rows)[n - 1 :]
     return share, float(np.sqrt(np.linalg.det(a[n - 1 :, n - 1 :])))
-
-
-def with_enough_modes(linearise: Callable[[float], LinearModel], frequency: float) -> LinearModel:
-    """The physical model of a state. `linearise` gives the modes below a frequency (Hz), which is doubled until they are enough."""
-    while True:
-        model = linearise(frequency)
-        if len(model.poles) >= modes_needed(model) or frequency >= MOST_HERTZ:
-            return physical(model)
-        frequency *= 2.0

@@ -6,7 +6,7 @@ or pressure and the secondary torque are those that hold the point. Several valu
 `initial.ratio=0.5:2:7` for seven from 0.5 to 2. Other names are parameters of the FMU, with enumerations by name: `ring.model=ALE0`.
 
 Writes models.npz (numpy), models.mat (MATLAB), models.json, and report.html with Bode and step plots. A point at which
-the belt slips through, or which requires other loads than the specified ones, has no model. If no point has a model, the program fails.
+the belt slips through has no model. If no point has a model, the program fails.
 """
 
 from __future__ import annotations
@@ -14,10 +14,8 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
-
-import numpy as np
+from collections.abc import Sequence
+from typing import Any
 
 from pushbelt import console
 from pushbelt.cli.options import add_variator, numbers, program
@@ -32,32 +30,13 @@ AXES = {
 }  # fmt: skip
 """Names of the FMU's variables, and of the corresponding axes of a grid."""
 FORCE, PRESSURE = "secondary.clampingForce", "secondary.pressure"  # What gives the secondary force
-REACTIONS = {"primary.clampingForce": 5e3, "primary.pressure": 5e5, "secondary.torque": 50.0}
-"""Loads that hold a point. A specified value is compared with the required one, relative to at least this magnitude, N, Pa and N·m."""
-SAME = 0.01  # Largest relative difference between a specified and a required load
+REACTIONS = ("primary.clampingForce", "primary.pressure", "secondary.torque")  # Loads that hold a point
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip")  # Default outputs of the figures
 FILES = ("models.npz", "models.mat", "models.json")
 
 
-class Asked(NamedTuple):
-    """The specified points and parameters."""
-
-    points: Mapping[str, list[float]]  # Values of `AXES`
-    loads: Mapping[str, float]  # Values of `REACTIONS`
-    parameters: Mapping[str, str]  # Parameters with one value
-    changes: Mapping[str, list[str]]  # Parameters with several values
-    safety: float | None
-
-    def axes(self, variator: Variator) -> dict[str, Any]:
-        """Arguments of `linear_grid`: the specified points, and start values of the variator for what is not specified. A single number
-        of speed or force is not an axis. Without a force or a safety factor the force is that of the variator's inputs."""
-        found: dict[str, Any] = {axis: self.points.get(name, [variator[name]]) for name, axis in AXES.items()}
-        found |= {axis: found[axis][0] for axis in ("speed", "force") if len(found[axis]) == 1}
-        return found | {"safety": self.safety} | ({} if FORCE in self.points else {"force": None})
-
-
-def asked(settings: Sequence[str], safety: float | None = None) -> Asked:
-    """Parses NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT."""
+def asked(settings: Sequence[str], safety: float | None = None) -> tuple[dict[str, list[float]], dict[str, str], dict[str, list[str]]]:
+    """Parses NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT: values of `AXES`, parameters with one value, and with several ones."""
     found: dict[str, list[Any]] = {}
     for setting in settings:
         name, _, text = setting.partition("=")
@@ -65,11 +44,10 @@ def asked(settings: Sequence[str], safety: float | None = None) -> Asked:
             raise ArgumentError(f"`{setting}` is not of the form NAME=VALUE")
         if name in found:
             raise ArgumentError(f"{name} appears twice")
+        if name in REACTIONS:
+            raise ArgumentError(f"{name} follows from the point: leave it out")
         found[name] = _values(name, text)
-        if name in REACTIONS and len(found[name]) > 1:
-            raise ArgumentError(f"{name} follows from the point: give at most one value, which is compared with the result")
     points = {name: found.pop(name) for name in AXES if name in found}
-    loads = {name: found.pop(name)[0] for name in REACTIONS if name in found}
     parameters = {name: words[0] for name, words in found.items() if len(words) == 1}
     changes = {name: words for name, words in found.items() if len(words) > 1}
     if safety is not None and not SAFETY_RANGE[0] <= safety <= SAFETY_RANGE[1]:
@@ -81,28 +59,17 @@ def asked(settings: Sequence[str], safety: float | None = None) -> Asked:
     both = [name for name, given in (("--safety", safety is not None), (FORCE, FORCE in points), (PRESSURE, PRESSURE in found)) if given]
     if len(both) > 1:
         raise ArgumentError(f"{' and '.join(both)} both determine the clamping force: give one of them")
-    return Asked(points, loads, parameters, changes, safety)
+    return points, parameters, changes
 
 
 def _values(name: str, text: str) -> list[Any]:
     """Numbers of a point, and numbers or texts of a parameter."""
-    if name not in (*AXES, *REACTIONS) and ":" not in text:
+    if name not in AXES and ":" not in text:
         return [word.strip() for word in text.split(",")]
     try:
         return list(numbers(text))
     except ValueError as error:
         raise ArgumentError(f"{name} = {text!r} is not a number, A,B,C or FIRST:LAST:COUNT with a count of at least 2") from error
-
-
-def leave_out_other_loads(grid: LinearGrid, loads: Mapping[str, float]) -> None:
-    """Replaces the models of points that require other loads than the specified ones by the reason."""
-    for place, model in np.ndenumerate(grid.models):
-        for name, given in loads.items() if model is not None else ():
-            held = model.held.get(name, given)
-            if not abs(held - given) <= SAME * max(abs(held), abs(given), REACTIONS[name]):
-                at = ", ".join(f"{axis} {value:g}" for axis, value in grid.point(place).items())
-                why = f"this point requires {name} = {held:.6g} {model.units[name]}, but {given:g} {model.units[name]} is specified"
-                grid.models[place], grid.reasons[place] = None, f"no linear model at {at}: {why}"
 
 
 def parser() -> argparse.ArgumentParser:
@@ -126,18 +93,19 @@ def parser() -> argparse.ArgumentParser:
 @console.program("linearize", "reports")
 def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_intermixed_args(arguments)
-    wanted = asked(options.settings, options.safety)
+    points, parameters, changes = asked(options.settings, options.safety)
     require("reports")  # The help needs no packages of the extras.
     from pushbelt.report.side_by_side import progress_bar
 
-    given = {name: getattr(options, name) for name in ("frequency", "states", "sample_time")}
-    with Variator(options.variator or {}, wanted.parameters, fmu=options.fmu) as variator:
-        axes = wanted.axes(variator)
-        size = math.prod(len(values) for values in (*axes.values(), *wanted.changes.values()) if isinstance(values, list))
+    given = {name: getattr(options, name) for name in ("safety", "frequency", "states", "sample_time")}
+    with Variator(options.variator or {}, parameters, fmu=options.fmu) as variator:
+        axes: dict[str, Any] = {axis: points.get(name, [variator[name]]) for name, axis in AXES.items()}
+        # A single number of speed or force is not an axis. Without a force it is that of the safety factor or of the variator's inputs.
+        axes |= {axis: axes[axis][0] for axis in ("speed", "force") if len(axes[axis]) == 1}
+        axes |= {} if FORCE in points else {"force": None}
+        size = math.prod(len(values) for values in (*axes.values(), *changes.values()) if isinstance(values, list))
         with progress_bar(size, "working points") as bar:
-            each: dict[str, Any] = {"changes": wanted.changes, "after_each": lambda: bar.update(1)}
-            grid = variator.linear_grid(**axes, **each, **given)
-    leave_out_other_loads(grid, wanted.loads)
+            grid = variator.linear_grid(**axes, changes=changes, after_each=lambda: bar.update(1), **given)
     return write(grid, options)
 
 

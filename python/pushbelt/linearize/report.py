@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,24 +22,15 @@ SHOWN_POLES = 4
 MOST_DASHED = 4  # Largest number of values of the axis with colours, if another one has dashes
 
 
-class Drawn(NamedTuple):
-    """A point in the figures: its name, its look, and its model."""
-
-    name: str
-    colour: str
-    dash: str
-    model: LinearModel
-
-    def line(self, x: Array, y: Array) -> Series:
-        return Series(self.name, x, y, self.colour, dash=self.dash)
+Drawn = tuple[dict[str, Any], LinearModel]  # A point in the figures: name, colour and dash of its lines, and its model
 
 
 def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -> Path:
     """Writes the report and returns its path. Raises KeyError for an output that the models do not have."""
     found, path = list(grid.points()), folder / "report.html"
-    drawn = [one._replace(model=one.model.select(outputs)) for one in chosen(grid)]
+    drawn = [(look, model.select(outputs)) for look, model in chosen(grid)]
     context = {
-        "points": [(title(grid, point), model, _poles(model)) for point, model in found],
+        "points": [(title(grid, point), model, ", ".join(map(pole, model.poles[model.poles.imag >= 0.0][:SHOWN_POLES]))) for point, model in found],
         "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
         "charts": list(zip(outputs, bode(drawn), steps(drawn, time), strict=True)),
         "first": found[0][1], "drawn": len(drawn),
@@ -49,26 +40,20 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
 
 
 def chosen(grid: LinearGrid) -> list[Drawn]:
-    """Points for the figures. The torque has dashes and another axis colours, the ratio if it has several values; a
-    single axis has colours. Values are spread evenly over an axis, with the first and the last; further axes are at a
-    middle value."""
+    """Points for the figures. The first axis with several values, such as the ratio, has colours, and a second one dashes. Values are spread
+    evenly over an axis, with the first and the last; further axes are at a middle value."""
     found = list(grid.points())
     values = {axis: sorted({point[axis] for point, _ in found}) for axis in grid.axes}
-    several = sorted((axis for axis in values if len(values[axis]) > 1), key=lambda axis: axis != "ratio")
-    dashed = "torque" if "torque" in several and len(several) > 1 else ""
-    coloured = next((axis for axis in several if axis != dashed), "")
+    several = [axis for axis in values if len(values[axis]) > 1]
     kept = {axis: [every[len(every) // 2]] for axis, every in values.items()}
-    if coloured:
-        kept[coloured] = _spread(values[coloured], MOST_DASHED if dashed else len(COLOURS))
-    if dashed:
-        kept[dashed] = _spread(values[dashed], len(DASHES))
-
-    def place(axis: str, point: Mapping[str, float]) -> int:
-        return kept[axis].index(point[axis]) if axis else 0
-
-    shown = [(point, model) for point, model in found if all(point[axis] in kept[axis] for axis in kept)]
-    looks = [(title(grid, point), COLOURS[place(coloured, point)], DASHES[place(dashed, point)], model) for point, model in shown]
-    return [Drawn(*one) for one in looks] or [Drawn(title(grid, found[0][0]), COLOURS[0], "", found[0][1])]
+    for axis, most in zip(several, (MOST_DASHED if len(several) > 1 else len(COLOURS), len(DASHES)), strict=False):
+        kept[axis] = _spread(values[axis], most)
+    drawn: list[Drawn] = []
+    for point, model in found:
+        if all(point[axis] in kept[axis] for axis in kept):
+            colour, dash = [*(kept[axis].index(point[axis]) for axis in several), 0, 0][:2]
+            drawn.append(({"name": title(grid, point), "colour": COLOURS[colour], "dash": DASHES[dash]}, model))
+    return drawn or [({"name": title(grid, found[0][0]), "colour": COLOURS[0]}, found[0][1])]
 
 
 def _spread(values: list[float], most: int) -> list[float]:
@@ -85,43 +70,38 @@ def title(grid: LinearGrid, point: dict[str, float]) -> str:
 
 def bode(drawn: Sequence[Drawn]) -> Iterator[Chart]:
     """Magnitude and phase from each input, over Hz, for each output."""
-    first = drawn[0].model
+    first = drawn[0][1]
     frequencies = np.geomspace(LOWEST, first.frequency, 300)
-    found = np.array([one.model.response(2.0 * np.pi * frequencies) for one in drawn])
+    found = np.array([model.response(2.0 * np.pi * frequencies) for _, model in drawn])
     log: dict[str, Any] = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, first.frequency)}
     for k, output in enumerate(first.outputs):
         panels = []
         for m, load in enumerate(first.inputs):
             scale, unit = per(first.units[output], first.units[load])
-            size = [one.line(frequencies, scale * np.abs(values)) for one, values in zip(drawn, found[:, :, k, m], strict=True)]
-            phase = [one.line(frequencies, values) for one, values in zip(drawn, phases(found[:, :, k, m]), strict=True)]
+            size = [Series(x=frequencies, y=scale * np.abs(values), **look) for (look, _), values in zip(drawn, found[:, :, k, m], strict=True)]
+            phase = [Series(x=frequencies, y=values, **look) for (look, _), values in zip(drawn, phases(found[:, :, k, m]), strict=True)]
             panels.append(Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log))
             panels.append(Panel(f"{load} → {output}: phase (°)", phase, **log))
         yield Chart(panels, f"Bode plots of {output}", columns=2, common_legend=True, least_width=330)
 
 
 def phases(responses: Iterable[Array]) -> list[Array]:
-    """Phases over frequency without jumps and on one branch, °. The means over the frequencies are within one turn, cut
-    where neighbouring means are the farthest apart. So similar responses are never a turn apart. The mean of all is the
-    closest to zero."""
+    """Phases over frequency without jumps, °. Their means over the frequencies are within half a turn of the mean direction of all."""
     found = [np.degrees(np.unwrap(np.angle(values))) for values in responses]
     means = np.array([phase.mean() for phase in found])
-    order = np.sort(means % 360.0)
-    start = order[np.argmax(np.diff(order, prepend=order[-1] - 360.0))]
-    turns = np.floor((means - start) / 360.0 + 1e-9)
-    turns += np.round((means - 360.0 * turns).mean() / 360.0)
-    return [phase - 360.0 * turn for phase, turn in zip(found, turns, strict=True)]
+    centre = np.degrees(np.angle(np.exp(1j * np.radians(means)).sum()))
+    return [phase - 360.0 * turn for phase, turn in zip(found, np.round((means - centre) / 360.0), strict=True)]
 
 
 def steps(drawn: Sequence[Drawn], end: float) -> Iterator[Chart]:
     """Responses to a unit step of each input, over time, for each output."""
-    times, first = np.linspace(0.0, end, 400), drawn[0].model
-    found = np.array([one.model.step(times) for one in drawn])
+    times, first = np.linspace(0.0, end, 400), drawn[0][1]
+    found = np.array([model.step(times) for _, model in drawn])
     for k, output in enumerate(first.outputs):
         panels = []
         for m, load in enumerate(first.inputs):
             scale, unit = per(first.units[output], first.units[load])
-            series = [one.line(times, scale * values) for one, values in zip(drawn, found[:, :, k, m], strict=True)]
+            series = [Series(x=times, y=scale * values, **look) for (look, _), values in zip(drawn, found[:, :, k, m], strict=True)]
             panels.append(Panel(f"{load} → {output} ({unit})", series, "time (s)", x_range=(0.0, end)))
         yield Chart(panels, f"Step responses of {output}", columns=2, linked=True, common_legend=True, least_width=330)
 
@@ -131,10 +111,6 @@ def per(output: str, load: str) -> tuple[float, str]:
     (above, output), (below, load) = in_figures(output), in_figures(load)
     load = f"({load})" if "." in load or "/" in load else load
     return above / below, f"{output}/{load}"
-
-
-def _poles(model: LinearModel) -> str:
-    return ", ".join(map(pole, model.poles[model.poles.imag >= 0.0][:SHOWN_POLES]))
 
 
 def pole(value: complex) -> str:

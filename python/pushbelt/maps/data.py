@@ -30,32 +30,24 @@ if TYPE_CHECKING:
 VERSION = 1  # Version of the files' content
 STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
 """Meaning of the numbers of the table `state`, as in `tables.json`. The first two are steady states."""
-ROUTE = ("force", "speed", "ratio")  # Axes of a line
 
 
 class MapError(PushbeltError, ValueError):
     """A file is not a data set of maps, or its values are not usable."""
 
 
-class Axis(NamedTuple):
-    """An axis of the tables."""
-
-    unit: str
-    description: str
-
-
 class Quantity(NamedTuple):
-    """A table: its axes, unit and description."""
+    """An axis, or a table with its axes."""
 
-    axes: tuple[str, ...]
     unit: str
     description: str
+    axes: tuple[str, ...] = ()
 
 
 _ABOUT = json.loads(Path(__file__).with_name("tables.json").read_text(encoding="utf-8"))
-AXES: Mapping[str, Axis] = {name: Axis(**about) for name, about in _ABOUT["axes"].items()}
+AXES: Mapping[str, Quantity] = {name: Quantity(**about) for name, about in _ABOUT["axes"].items()}
 TABLES: Mapping[str, Quantity] = {name: Quantity(**{**about, "axes": tuple(about["axes"])}) for name, about in _ABOUT["tables"].items()}
-POINT = (*ROUTE, "utilisation")
+POINT = ("force", "speed", "ratio", "utilisation")
 TEXTS = ("source", "parameters", "reasons")  # Parts of a data set that are no numbers
 
 
@@ -107,8 +99,7 @@ class Maps:
     def to_xarray(self) -> xarray.Dataset:
         """The tables as an xarray data set with `units` and `long_name`. Needs `pushbelt[maps]`."""
         dataset = package("xarray", "to_xarray needs xarray", "maps").Dataset
-        kinds: Mapping[str, Axis | Quantity] = {**AXES, **TABLES}
-        about: dict[str, dict[str, Any]] = {name: {"units": one.unit, "long_name": one.description} for name, one in kinds.items()}
+        about: dict[str, dict[str, Any]] = {name: {"units": one.unit, "long_name": one.description} for name, one in {**AXES, **TABLES}.items()}
         tables = {name: (one.axes, self[name], about[name]) for name, one in TABLES.items()}
         about["state"] |= {"flag_values": np.arange(len(STATES), dtype=float), "flag_meanings": " ".join(STATES)}
         return dataset(tables, {name: (name, values, about[name]) for name, values in self.axes.items()}, self.source)

@@ -22,7 +22,6 @@ from ..fmu.untrusted import described
 from ..whole_file import copy_archive
 from .data import AXES, TABLES, MapError, Maps
 
-NAME = "PushbeltMap.fmu"
 TABLES_FILE = "resources/maps.json"  # The tables in the archive
 FORMAT, VERSION = "pushbelt map unit", 1
 USED = ("thrustRatio", "beltTorqueLoss", "bearingLoad", "capacity", "capacitySlip", "traction", "shiftRate")
@@ -43,7 +42,7 @@ _PRIME = 0x0000000001000000000000000000013B
 def default_fmu() -> Path:
     """The FMU that the environment variable `PUSHBELT_MAP_FMU` names, or the one in the wheel, or that in `target`.
     Raises MissingFileError if it is missing."""
-    return found("PUSHBELT_MAP_FMU", NAME, "cargo fmu build --map")
+    return found("PUSHBELT_MAP_FMU", "PushbeltMap.fmu", "cargo fmu build --map")
 
 
 def default_maps() -> Path:

@@ -15,12 +15,12 @@ import json
 import math
 import os
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..arguments import checks, kind, mapping, number, optional, refused, whole
 from ..errors import ArgumentError, package, warn
@@ -32,6 +32,7 @@ from .data import MapError, Maps, arrays_of
 from .plan import stops
 
 PchipInterpolator = package("scipy.interpolate", "MapVariator needs scipy", "maps").PchipInterpolator
+map_coordinates = package("scipy.ndimage", "MapVariator needs scipy", "maps").map_coordinates
 SLIP_SPEED = 0.1  # Regularisation speed of the slip, m/s
 FADING_SPEED = 2.0  # Speed below which drag and belt loss fade, rad/s
 LEAST_FORCE = 1.0  # Smallest force in a quotient of forces, N
@@ -42,30 +43,28 @@ ITERATIONS = 3  # Newton iterations for the sliding speed
 Tables = Mapping[str, Any]
 
 
-class _Place(NamedTuple):
-    """The eight lines of the tables around each variator's force, speed and ratio, and their weights, shape (8, variators)."""
-
-    lines: NDArray[np.intp]
-    weights: Array
-
-    def mean(self, rows: Array, columns: int = 1, column: NDArray[np.intp] | int = 0) -> Array:
-        """Weighted means of rows of numbers, shape (numbers, variators). A line has `columns` rows."""
-        return np.einsum("kn,knm->mn", self.weights, rows.take(self.lines * columns + column, axis=0))
-
-
 class _Table:
-    """Refined tables over force, speed, ratio and an evenly spaced last axis."""
+    """A refined table over force, speed, ratio and further axes, of which the last is evenly spaced."""
 
-    def __init__(self, even: Array, tables: Sequence[Array]) -> None:
-        self.first, self.count, self.rows = float(even[0]), len(even), _rows(tables)
+    def __init__(self, even: Array, values: Array) -> None:
+        self.first, self.count, self.values = float(even[0]), len(even), values
         self.per_step = (len(even) - 1) / (float(even[-1]) - float(even[0]))
 
-    def at(self, place: _Place, x: Array) -> tuple[Array, Array]:
-        """Values of each table, and slopes along the last axis."""
+    def at(self, place: Sequence[Array], x: Array) -> Array:
+        """Values at places along the first axes and values of the last one."""
+        return _linear(self.values, [*place, (x - self.first) * self.per_step])
+
+    def with_slopes(self, place: Sequence[Array], x: Array) -> tuple[Array, Array]:
+        """The same, and slopes along the last axis."""
         scaled = np.clip((x - self.first) * self.per_step, 0.0, self.count - 1.0)
-        cell = np.minimum(scaled.astype(np.intp), self.count - 2)
-        low, high = (place.mean(self.rows, self.count, cell + end) for end in (0, 1))
+        cell = np.minimum(np.floor(scaled), self.count - 2)
+        low, high = (_linear(self.values, [*place, cell + end]) for end in (0, 1))
         return low + (scaled - cell) * (high - low), (high - low) * self.per_step
+
+
+def _linear(values: Array, places: Sequence[Array]) -> Array:
+    """Linear interpolation between the indices of an array, constant beyond them."""
+    return map_coordinates(values, places, order=1, mode="nearest")
 
 
 class MapVariator:
@@ -109,12 +108,12 @@ class MapVariator:
         except ValueError:
             raise ArgumentError(refused(name, value, f"a number or {self.count} of them")) from None
 
-    @checks(ratio=number(above=0.0, several=True), primary_speed=number("rad/s", several=True), slip=number(several=True))
-    def start(self, ratio: ArrayLike = 1.0, primary_speed: ArrayLike = 200.0, slip: ArrayLike = 0.0) -> None:
-        """Sets the states. Ratios beyond the end stops are set to them."""
-        ratios, speeds, slips = (self._each(*one) for one in (("ratio", ratio), ("primary_speed", primary_speed), ("slip", slip)))
-        self.log_ratio, self.primary_speed = np.clip(np.log(ratios), *self._stops), speeds.copy()
-        self.secondary_speed = self.primary_speed * (1.0 - slips) / self.ratio
+    @checks(ratio=number(above=0.0, several=True), primary_speed=number("rad/s", several=True))
+    def start(self, ratio: ArrayLike = 1.0, primary_speed: ArrayLike = 200.0) -> None:
+        """Sets the states, without slip. Ratios beyond the end stops are set to them."""
+        self.log_ratio = np.clip(np.log(self._each("ratio", ratio)), *self._stops)
+        self.primary_speed = self._each("primary_speed", primary_speed).copy()
+        self.secondary_speed = self.primary_speed / self.ratio
         self._started = False
 
     @checks(
@@ -133,13 +132,13 @@ class MapVariator:
         loads = {"primary_torque": primary_torque, "secondary_torque": secondary_torque, "primary_force": primary_force}
         into, out, closing, force = (self._each(*load) for load in (loads | {"secondary_force": secondary_force}).items())
         h, primary, secondary, p = duration, self.primary_speed, self.secondary_speed, self.parameters
-        place = self._place(force, primary)
+        place = list(map(_places, (force, primary * primary, self.log_ratio), self._axes))
         ratio, radius = self.ratio, self._radius(self.log_ratio)
         around = radius * primary
         speed = np.sqrt(around * around + SLIP_SPEED * SLIP_SPEED)
         forward = 0.5 * (1.0 + np.clip(1.001 * around / speed, -1.0, 1.0))
         one_way = bool(np.all(forward == 1.0))
-        limits = place.mean(self._limits)
+        limits = [_linear(one, place) for one in self._limits]
         capacity = 2.0 * p["friction.pulley"] * radius * force / math.cos(self._geometry["geometry.wedgeAngle"])
         self._check_units(into, force, capacity)
 
@@ -156,9 +155,9 @@ class MapVariator:
 
         def at(u: Array) -> tuple[Array, Array, Array]:
             """Belt torque loss, bearing load, shift rate."""
-            thrust, lost, load = self._points.at(place, u)[0]
+            thrust, lost, load = (table.at(place, u) for table in self._points)
             excess = log_force - np.log(np.maximum(thrust * force, LEAST_FORCE))
-            return lost, load, self._shift(place, u, excess)
+            return lost, load, self._rates.at([*place, _places(u, self._shift_utilisations)], excess)
 
         v = radius * (primary - ratio * secondary)
         lost, load, rate = at(ahead(v)[0])
@@ -201,12 +200,12 @@ class MapVariator:
         per = h / (p[f"{pulley}.inertia"] + h * slope)
         return speed + per * (torque - drag), per
 
-    def _traction(self, place: _Place, limits: Array, speed: Array, v: Array) -> tuple[Array, Array]:
+    def _traction(self, place: Sequence[Array], limits: Sequence[Array], speed: Array, v: Array) -> tuple[Array, Array]:
         """Utilisation of forward running at sliding speeds, and its slope."""
         driving = v >= 0.0
         reach = np.where(driving, limits[3], -limits[2]) * speed
         share = v / reach
-        (value,), (slope,) = self._tractions.at(place, share)
+        value, slope = self._tractions.with_slopes(place, share)
         slope = slope / reach
         beyond = np.abs(share) > 1.0
         if beyond.any():
@@ -216,26 +215,6 @@ class MapVariator:
             value = np.where(beyond, most * (1.0 - fall * (1.0 - decay)), value)
             slope = np.where(beyond, -np.abs(most) * fall * decay / fall_speed, slope)
         return value, slope
-
-    def _shift(self, place: _Place, u: Array, excess: Array) -> Array:
-        """The shift rate at utilisations, linear between those of the tables."""
-        axis, values = self._shift_utilisations, self._rates.at(place, excess)[0]
-        found = values[0]
-        for k in range(len(axis) - 1):
-            share = np.clip((u - axis[k]) / (axis[k + 1] - axis[k]), 0.0, 1.0)
-            found = found + share * (values[k + 1] - values[k])
-        return found
-
-    def _place(self, force: Array, speed: Array) -> _Place:
-        lines, weights = np.zeros((1, self.count), dtype=np.intp), np.ones((1, self.count))
-        for axis, value in zip(self._axes, (force, speed * speed, self.log_ratio), strict=True):
-            scaled = np.interp(value, axis, np.arange(len(axis)))
-            cell = np.minimum(scaled.astype(np.intp), max(len(axis) - 2, 0))
-            # An axis with a single value is constant.
-            ends, share = (cell, np.minimum(cell + 1, len(axis) - 1)), scaled - cell
-            lines = np.concatenate([lines * len(axis) + end for end in ends])
-            weights = np.concatenate([weights * (1.0 - share), weights * share])
-        return _Place(lines, weights)
 
     def _radius(self, log_ratio: Array) -> Array:
         return np.interp(log_ratio, self._radii_places, self._radii)
@@ -252,16 +231,16 @@ class MapVariator:
         def refined(values: Array) -> Array:
             return _cubic(logs, values, places, axis=2)
 
-        def sheet(along: str, count: int, values: Iterable[Array], rising: bool = False) -> _Table:
+        def sheet(name: str, along: str, count: int, rising: bool = False) -> _Table:
             even = np.linspace(axes[along][0], axes[along][-1], count)
-            fine = [refined(_cubic(axes[along], one, even, axis=-1)) for one in values]
-            return _Table(even, [np.maximum.accumulate(one, axis=-1) if rising else one for one in fine])
+            fine = refined(_cubic(axes[along], tables[name], even, axis=-1))
+            return _Table(even, np.maximum.accumulate(fine, axis=-1) if rising else fine)
 
-        self._points = sheet("utilisation", UTILISATIONS, [tables[name] for name in ("thrustRatio", "beltTorqueLoss", "bearingLoad")])
-        self._tractions = sheet("slipShare", SHARES, [tables["traction"]], rising=True)
-        self._rates = sheet("excess", EXCESSES, np.moveaxis(tables["shiftRate"], -2, 0), rising=True)
+        self._points = [sheet(name, "utilisation", UTILISATIONS) for name in ("thrustRatio", "beltTorqueLoss", "bearingLoad")]
+        self._tractions = sheet("traction", "slipShare", SHARES, rising=True)
+        self._rates = sheet("shiftRate", "excess", EXCESSES, rising=True)
         # Least and greatest utilisation at capacity, and the slips there.
-        self._limits = _rows([refined(tables[name][..., end]) for name in ("capacity", "capacitySlip") for end in (0, 1)])
+        self._limits = [refined(tables[name][..., end]) for name in ("capacity", "capacitySlip") for end in (0, 1)]
         least, most = map(math.log, stops({**self._geometry, **self.parameters}))
         if least >= most:
             raise MapError("the radii at the end stops leave no range of ratios")
@@ -283,9 +262,9 @@ def _document(maps: Maps | str | os.PathLike[str] | None) -> Tables:
         raise MapError(f"{maps} is no FMU of maps: {error}") from error
 
 
-def _rows(tables: Sequence[Array]) -> Array:
-    """A row with a number of each table for each place."""
-    return np.stack(tables, axis=-1).reshape(-1, len(tables))
+def _places(values: Array, axis: Array) -> Array:
+    """Places of values along an axis, by its indices."""
+    return np.interp(values, axis, np.arange(len(axis)))
 
 
 def _cubic(x: Array, y: Array, at: Array, axis: int) -> Array:

@@ -30,7 +30,6 @@ WORKERS_TIMEOUT = 60.0  # Timeout for the first worker of a cluster, s
 QUEUE_TIMEOUT = 7 * 86400.0  # Timeout for the first worker of a given cluster, whose jobs may wait in a queue, s
 WORKER_LOST = "the worker process crashed repeatedly"
 CLOSING = 120  # Time before the end of a job at which its worker closes and passes its points on, s
-NAMES = {"name": "job_name", "logs": "log_directory", "scratch": "local_directory"}
 REPEATED = {"directive": "job_extra_directives", "prologue": "job_script_prologue"}
 
 
@@ -144,7 +143,7 @@ def slurm(text: str) -> tuple[Any, int]:
             if key in REPEATED:
                 given.setdefault(REPEATED[key], []).append(value)
             else:
-                given[NAMES.get(key, key)] = value
+                given[key] = value
         jobs, cores, port = (int(given.pop(name, default)) for name, default in (("jobs", 1), ("cores", 1), ("port", 0)))
         days, _, clock = given.get("walltime", "00:30:00").rpartition("-")
         hours, minutes, seconds = map(int, clock.split(":"))

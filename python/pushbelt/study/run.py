@@ -40,10 +40,6 @@ class Store:
         name = f"tasks-{min(rows)}-{max(rows)}.json.gz"
         write_whole(self.folder / name, gzip.compress(json.dumps(list(rows.items())).encode(), 1))
 
-    def clear(self) -> None:
-        for path in self.folder.glob("tasks-*"):
-            path.unlink()
-
     def rows(self) -> dict[int, Row]:
         """All stored tasks by their numbers. A damaged file is removed, and its tasks are solved again. Raises OSError
         if a file cannot be read; the file is then not removed."""
@@ -55,14 +51,6 @@ class Store:
             except (ValueError, TypeError, EOFError, zlib.error, gzip.BadGzipFile):
                 path.unlink()
         return found
-
-
-@dataclass(frozen=True)
-class Progress:
-    tasks: int
-    done: int  # Number of finished tasks, including earlier runs
-    failed: int  # Number of finished tasks without a result
-    workers: int
 
 
 @dataclass(frozen=True)
@@ -86,20 +74,21 @@ def chunks(tasks: Tasks, finished: set[int], size: int) -> list[list[tuple[int, 
 
 def solve(
     tasks: Tasks, folder: Path, *, scheduler: Any = None, workers: int | None = None, chunk: int = 1, anew: bool = False,
-    progress: Callable[[Progress], object] = lambda _: None,
+    progress: Callable[[int, int, int], object] = lambda *_: None,
 ) -> dict[int, Row]:  # fmt: skip
     """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them,
     unless `anew`. `scheduler` is the address of a dask scheduler, or a cluster of dask. By default `workers` local
     processes are started, one per processor. A program that starts them needs the guard `if __name__ == "__main__":`.
-    `progress` is called at the beginning and after each chunk. Tasks that lost their workers are not stored; the
+    `progress` is called at the beginning and after each chunk, with the numbers of finished tasks, including earlier runs, of those among them
+    without a result, and of workers. Tasks that lost their workers are not stored; the
     next run tries them again. Raises ClusterError if the cluster cannot be reached or is lost. Finished tasks remain
     stored."""
     store = Store(folder, tasks)
-    if anew:
-        store.clear()
-    rows, total = store.rows(), len(tasks.tasks())
+    for path in store.folder.glob("tasks-*") if anew else ():
+        path.unlink()
+    rows = store.rows()
     failed = sum(row.get("reason") is not None for row in rows.values())
-    progress(Progress(total, len(rows), failed, 0))
+    progress(len(rows), failed, 0)
     missing = chunks(tasks, set(rows), chunk)
     if not missing:
         return rows
@@ -113,7 +102,7 @@ def solve(
             failed += sum(row.get("reason") is not None for row in found.values())
             if not any(row.get("reason") == cluster.WORKER_LOST for row in found.values()):
                 store.add(found)
-            progress(Progress(total, len(rows), failed, len(client.nthreads())))
+            progress(len(rows), failed, len(client.nthreads()))
     return rows
 
 
@@ -137,24 +126,24 @@ def from_command_line(
     tasks: Tasks, options: argparse.Namespace, what: str, chunk: int = 1, scheduler: Any = None
 ) -> tuple[dict[int, Row], Effort]:
     """`solve` with a progress bar and the options of `cli.options.add_study`. After Ctrl-C it prints how many tasks are finished."""
-    begin, reports = time.perf_counter(), list[Progress]()
-    with progress_bar(len(tasks.tasks()), what) as bar:
+    begin, counts, total = time.perf_counter(), list[int](), len(tasks.tasks())
+    with progress_bar(total, what) as bar:
 
-        def shown(progress: Progress) -> None:
-            if not reports:
-                bar.initial = bar.n = progress.done
-                if progress.done:
-                    print(f"  {progress.done} of {progress.tasks} {what} are already stored")
-            reports.append(progress)
-            bar.set_postfix_str(f"{progress.failed} failed, {progress.workers} workers", refresh=False)
-            bar.update(progress.done - bar.n)
+        def shown(done: int, failed: int, workers: int) -> None:
+            if not counts:
+                bar.initial = bar.n = done
+                if done:
+                    print(f"  {done} of {total} {what} are already stored")
+            counts.append(done)
+            bar.set_postfix_str(f"{failed} failed, {workers} workers", refresh=False)
+            bar.update(done - bar.n)
 
         given = {"workers": options.workers, "chunk": chunk, "anew": options.anew or options.measure}
         try:
             rows = solve(tasks, options.output, scheduler=scheduler or options.scheduler, progress=shown, **given)
         except KeyboardInterrupt:
-            if reports:
-                print(f"\n{reports[-1].done} of {reports[-1].tasks} {what} are finished; the same command continues from them.")
+            if counts:
+                print(f"\n{counts[-1]} of {total} {what} are finished; the same command continues from them.")
             raise
     used = sum(row.get("time") or 0.0 for row in rows.values())
-    return rows, Effort(len(rows) - reports[0].done, time.perf_counter() - begin, used)
+    return rows, Effort(len(rows) - counts[0], time.perf_counter() - begin, used)

@@ -9,7 +9,6 @@ import argparse
 import shutil
 import sys
 from collections.abc import Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -55,21 +54,20 @@ def main(arguments: Sequence[str] | None = None) -> int | console.Done:
         raise ArgumentError("--print-job requires the options of --slurm")
     if options.slurm is not None and (options.scheduler or options.workers):
         raise ArgumentError("--slurm excludes --scheduler and --workers")
-    with ExitStack() as stack:
-        scheduler = None
-        if options.slurm is not None:
-            from pushbelt.study.cluster import slurm
+    if options.slurm is None:
+        return _run(_study(options), options, None)
+    from pushbelt.study.cluster import slurm
 
-            queue, jobs = slurm(options.slurm)
-            scheduler = stack.enter_context(queue)
-            if options.print_job:
-                print(queue.job_script())
-                return 0
-            if shutil.which("sbatch") is None:
-                raise ArgumentError("--slurm: sbatch is not on the path: this machine submits no jobs to Slurm")
-            # Jobs that end are replaced.
-            queue.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
-        return _run(_study(options), options, scheduler)
+    queue, jobs = slurm(options.slurm)
+    with queue:
+        if options.print_job:
+            print(queue.job_script())
+            return 0
+        if shutil.which("sbatch") is None:
+            raise ArgumentError("--slurm: sbatch is not on the path: this machine submits no jobs to Slurm")
+        # Jobs that end are replaced.
+        queue.adapt(minimum_jobs=jobs, maximum_jobs=jobs)
+        return _run(_study(options), options, queue)
 
 
 def _study(options: argparse.Namespace) -> Study:

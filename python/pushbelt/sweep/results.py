@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -16,7 +15,6 @@ from pushbelt.fmu.unit import TRUTHS, output_names
 from pushbelt.study.tasks import Row
 from pushbelt.whole_file import write_whole
 
-from .design import Design
 from .point import BANDS, SHORT_STEP, capacity
 from .study import AXES, Study
 
@@ -57,17 +55,11 @@ def table(study: Study, rows: Mapping[int, Row]) -> pa.Table:
         given = {name: values[name] for name in columns.names if name in values}
         full.append({"point": number, "utilisation": utilisation, **given, **rows[number]})
     results = pa.Table.from_pylist(full, columns)
-    # The axes of a grid with their values, or the columns of a design.
-    grid: dict[str, Any] = {axis.column: {"unit": axis.unit, "values": getattr(study.grid, name, ())} for name, axis in AXES.items()}
-    if isinstance(study.grid, Design):
-        units = {field.name: field.metadata[b"unit"].decode() for field in columns}
-        grid = {"design": study.grid.kind, "columns": {name: {"unit": units[name]} for name in study.grid.columns}}
     about = study.description
     document = {
         "study": study.identity,
         "fmu": {"model": about.modelName, "version": about.version, "guid": about.guid},
-        "parameters": {name: {"value": value, "unit": study.variables[name].unit or "1"} for name, value in study.parameters.items()},
-        "grid": grid, "points": len(results), "failed": len(results) - results["reason"].null_count,
+        **study.document(), "points": len(results), "failed": len(results) - results["reason"].null_count,
     }  # fmt: skip
     return results.replace_schema_metadata({METADATA: json.dumps(document)})
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu import bands, capacity, closing, steady
@@ -24,8 +24,7 @@ CHUNK = 8
 MOST = 2000  # Largest number of points that are checked for wrong units, evenly spaced in the study
 
 
-@dataclass(frozen=True)
-class Axis:
+class Axis(NamedTuple):
     """Column of the results for a field of the grid."""
 
     column: str
@@ -63,11 +62,6 @@ class Grid(Points):
         for one in fields(self):
             values = ascending(one.name, getattr(self, one.name), positive=one.name != "utilisation")
             object.__setattr__(self, one.name, values)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Numbers of values in the order of `AXES`."""
-        return tuple(len(getattr(self, name)) for name in AXES)
 
     @property
     def columns(self) -> tuple[str, ...]:  # type: ignore[override]
