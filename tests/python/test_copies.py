@@ -15,8 +15,9 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from pushbelt import cli
-from pushbelt.fmu.copies import DESCRIPTION, REALS, SCALARS, TERMINALS, flat
+from pushbelt.fmu.copies import ARM, DESCRIPTION, LINUX, REALS, SCALARS, TERMINALS, flat
 from pushbelt.fmu.unit import TRUTHS, Archive, Instance
+from pushbelt.whole_file import copy_archive
 
 OVER = {"primary.torque": 400.0, "secondary.torque": -49.0, "primary.clampingForce": 13e3, "secondary.clampingForce": 10e3}
 """Inputs at which the belt slips through."""
@@ -168,12 +169,21 @@ def test_start_values_hold_under_flat_names(fmu: Path, tmp_path: Path, capsys: p
     assert "own.fmu" in said and "--flat" in said and "original" in said and said.count("\n") == 1
 
 
+def test_a_copy_for_arm_has_its_library_in_linux64(fmu: Path, tmp_path: Path) -> None:
+    copy_archive(fmu, both := tmp_path / "both.fmu", {}, {f"{LINUX}other.so": b"x86", f"{ARM}PushbeltVariator.so": b"ARM"})
+    assert cli.main(["fmu", str(copy := tmp_path / "copy.fmu"), "--fmu", str(both), "--arm", "--flat"]) == 0
+    with zipfile.ZipFile(copy) as archive:
+        assert {name: archive.read(name) for name in archive.namelist() if name.startswith(LINUX)} == {f"{LINUX}PushbeltVariator.so": b"ARM"}
+
+
 def test_copies_that_cannot_be_are_refused(fmu: Path, fmu3: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with_flat = written(tmp_path / "flat.fmu", fmu3, "--flat")
+    copy_archive(fmu, without := tmp_path / "x86.fmu", {}, {f"{ARM}PushbeltVariator.so": None})
     capsys.readouterr()
     for source, words, why in (
         (fmu, ["--scalars"], "FMI 2.0, which has no arrays; --fmi3"), (with_flat, ["--scalars"], "flat.fmu has flat names"),
         (with_flat, ["--real-outputs"], "with --flat and the other options together"),
+        (without, ["--arm"], "no library for Linux on ARM; `cargo"), (fmu3, ["--arm"], "FMI 3.0, in which importers on ARM look in aarch64-linux"),
     ):  # fmt: skip
         assert cli.main(["fmu", str(tmp_path / "none.fmu"), "--fmu", str(source), *words]) == 1
         said = capsys.readouterr().err

@@ -37,7 +37,7 @@ print(sys.version_info[:2], numpy.__version__, pandas.__version__)
 """
 SHORTER = {"demo": "--short", "drive": "--short --until 5", "maps": "--short", "sweep": "--short"}
 DESIGNS = ("--vary", "--points", "--ratio")  # Options of `sweep` that exclude --short, or make few points
-LEFT_OUT = {"--scheduler": "it needs the scheduler of a cluster", **dict.fromkeys(("…", "COMMAND", "WORD", "PAGE"), "it is not whole")}
+LEFT_OUT = {"--scheduler": "it needs the scheduler of a cluster", "--arm": "it needs an FMU with a library for ARM, which test_arm.py has", **dict.fromkeys(("…", "COMMAND", "WORD", "PAGE"), "it is not whole")}
 OTHER = ["pushbelt variables slip", "pushbelt docs linear", "pushbelt cache --clear"]  # Commands without a line in the book
 CODES = {"calibrate": (0, 3), "belt": (0, 3)}  # Exit codes; the example table need not fit
 RUN = "time [s],ring.speed [m/s],distance [m],ring.stressAmplitude.primary [MPa],ring.stressMean.primary [MPa]," \

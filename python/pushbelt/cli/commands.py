@@ -27,12 +27,14 @@ def write_fmu(options: argparse.Namespace) -> int:
     description = _check_version(fmu, options)
     if options.scalars and description.fmiVersion != "3.0":
         raise ArgumentError(f"--scalars: {fmu} is of FMI {description.fmiVersion}, which has no arrays; --fmi3 takes that of FMI 3.0")
+    if options.arm:
+        copies.check_arm(fmu, description.fmiVersion)
     has_values = options.set or options.variator or options.ssv
     if description.variableNamingConvention == "flat" and (has_values or options.scalars or options.real_outputs):
         raise ArgumentError(f"{fmu} has flat names: write a copy of the original, with --flat and the other options together")
     source, facts = fmu, []
     remarks: list[str] = []
-    if has_values or not (options.flat or options.scalars or options.real_outputs):
+    if has_values or not (options.flat or options.scalars or options.real_outputs or options.arm):
         values, remarks = _chosen(fmu, description, options)
         start_values.write_copy(fmu, options.copy, values)
         source, facts = options.copy, [f"{len(values)} start values"]
@@ -42,7 +44,10 @@ def write_fmu(options: argparse.Namespace) -> int:
     }  # fmt: skip
     if chosen := {name: change for name, change in changes.items() if change}:
         copies.write_copy(source, options.copy, *chosen.values())
-        facts += chosen
+        source, facts = options.copy, [*facts, *chosen]
+    if options.arm:
+        copies.write_arm_copy(source, options.copy)
+        facts.append("linux64 for ARM")
     _print(options.copy, remarks, f" ({', '.join(facts)})")
     return 0
 

@@ -1,17 +1,21 @@
 """Copies of an FMU for importers that are stricter than the standard: outputs that are all Real, scalars instead of arrays of FMI 3.0, and
 flat names. Only descriptions change, so the library, its values and its GUID are those of the original; parameter sets in the archive keep
 their names. The library answers for the value references that the copies add (`crates/fmi/src/table.rs`).
+
+For importers on ARM that look in `linux64` there is a copy with the library for ARM in that folder.
 """
 
 from __future__ import annotations
 
 import re
+import zipfile
 from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
 
 from lxml import etree
 
+from ..errors import ArgumentError
 from ..whole_file import copy_archive
 from .start_values import DESCRIPTION, edited
 
@@ -20,6 +24,7 @@ REALS = 2_000_000  # Added to the value reference of a truth value: 1 or 0 as a 
 REAL = "Real"  # End of the name of a truth value as a real number
 REAL_TYPES = ("Real", "Float64")  # of FMI 2.0 and 3.0
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+ARM, LINUX = "binaries/aarch64-linux/", "binaries/linux64/"  # Folders of libraries in FMI 2.0
 
 
 def with_real_outputs(description: etree._Element) -> None:
@@ -98,3 +103,20 @@ def write_copy(fmu: Path, copy: Path, *changes: Callable[[etree._Element], None]
     if with_flat_names in changes:
         changed[TERMINALS] = edited(_with_flat_members)
     copy_archive(fmu, copy, changed, {})
+
+
+def check_arm(fmu: Path, version: str) -> None:
+    """Raises ArgumentError if an FMU has no library for Linux on ARM, or is of FMI 3.0, in which no importer looks elsewhere for it."""
+    if version != "2.0":
+        raise ArgumentError(f"--arm: {fmu} is of FMI {version}, in which importers on ARM look in aarch64-linux")
+    with zipfile.ZipFile(fmu) as archive:
+        if not any(name.startswith(ARM) for name in archive.namelist()):
+            raise ArgumentError(f"--arm: {fmu} has no library for Linux on ARM; `cargo fmu build --portable --arm` builds an FMU that has")
+
+
+def write_arm_copy(fmu: Path, copy: Path) -> None:
+    """Writes a copy whose `linux64` has the library for ARM, completely or not at all. `copy` may be the FMU itself."""
+    with zipfile.ZipFile(fmu) as source:
+        names = source.namelist()
+        libraries = {LINUX + name.removeprefix(ARM): source.read(name) for name in names if name.startswith(ARM)}
+    copy_archive(fmu, copy, {}, {**{name: None for name in names if name.startswith(LINUX)}, **libraries})
