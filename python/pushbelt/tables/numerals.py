@@ -48,7 +48,11 @@ def _pattern(decimal: str) -> re.Pattern[str]:
 
 
 PATTERNS = {name: _pattern(sign) for name, sign in SIGNS.items()}
-PLAIN = {name: rf"[+-]?\d+(?:{re.escape(sign)}\d*)?(?:[eE][+-]?\d+)?" for name, sign in SIGNS.items()}
+PLAIN = {
+    name: str.maketrans({**dict.fromkeys(GROUPS + other), "d": "e", "D": "e", sign: "."})
+    for (name, sign), other in zip(SIGNS.items(), ",.", strict=True)
+}
+"""Translation of the signs of a number to those of Python."""
 
 
 def cleaned(text: str) -> str:
@@ -66,24 +70,14 @@ def number(text: str, decimal: str) -> float | None:
     plain = cleaned(text)
     if not PATTERNS[decimal].fullmatch(plain):
         return None
-    other = next(sign for name, sign in SIGNS.items() if name != decimal)
-    plain = re.sub(rf"[{re.escape(GROUPS)}{other}]", "", plain).replace(",", ".")
-    value = float(re.sub("[dD]", "e", plain))
+    value = float(plain.translate(PLAIN[decimal]))
     return value if math.isfinite(value) else None
 
 
 def numbers(cells: pd.Series, decimal: str) -> np.ndarray:
     """The numbers of cells, of which a spreadsheet has some already; NaN for any other cell."""
-    import pandas as pd
-
-    found = np.full(len(cells), np.nan)
-    texts = cells.map(lambda cell: isinstance(cell, str)).to_numpy(dtype=bool)
-    found[~texts] = cells[~texts].astype(float)
-    # Most cells are plain numbers, which pandas converts faster.
-    plain = texts.copy()
-    plain[texts] = cells[texts].str.fullmatch(PLAIN[decimal]).to_numpy(dtype=bool)
-    found[plain] = pd.to_numeric(cells[plain].str.replace(SIGNS[decimal], ".", regex=False))
-    found[texts & ~plain] = [number(cell, decimal) for cell in cells[texts & ~plain]]
+    known = {cell: number(cell, decimal) if isinstance(cell, str) else cell for cell in cells.unique()}
+    found = cells.map(known).to_numpy(dtype=float)
     return np.where(np.isfinite(found), found, np.nan)
 
 

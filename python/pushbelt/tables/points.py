@@ -12,24 +12,7 @@ import numpy as np
 from ..fmu.closing import closing_force, sheave_position
 from . import plausible, series, units
 from . import sheet as sheets
-from .columns import (
-    COLUMNS,
-    CONDITIONS,
-    HIGHEST,
-    MEASURED,
-    NAME,
-    PARTS,
-    POWER,
-    QUANTITIES,
-    RECORDED,
-    REQUIRED,
-    SAMPLED,
-    SERIES,
-    SHIFTS,
-    STEP,
-    SURE,
-    TIME,
-)  # fmt: skip
+from .columns import COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, SURE, TIME
 from .names import DEVIATION, Column, same
 from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, Taken, grouped, of_the_column
 

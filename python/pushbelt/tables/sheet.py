@@ -499,8 +499,6 @@ class _Reader:
     @staticmethod
     def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:
         """Kind and text of the fault of a cell."""
-        if isinstance(cell, str) and cell.startswith("="):
-            return "value", "a formula that was never calculated: open the file in a spreadsheet program and save it"
         if number in numerals.SENTINELS or (isinstance(cell, str) and numerals.missing(cell)):
             return "value", f"'{cell if isinstance(cell, str) else format(cell, 'g')}' is no value"
         if np.isnan(number) or (np.isnan(value) and not one.turned):
