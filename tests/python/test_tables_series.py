@@ -100,16 +100,13 @@ def test_a_short_recording_is_no_table_of_points(every: int, timed: bool, tmp_pa
     is_right(series(tmp_path, rows if timed else [row[1:] for row in rows], HEAD if timed else TITLES), 5, rel=0.02)
 
 
-def test_a_clock_that_goes_back_is_named_and_goes_on(tmp_path: Path) -> None:
+def test_rows_are_equally_apart_if_the_times_do_not_ascend(tmp_path: Path) -> None:
     data = recorded()
-    once, again = data.copy(), data.copy()
-    once[450, 0], again[:, 0] = 0.3, data[:, 0] % 6.0
-    for changed, line in ((once, 452), (again, 602)):
-        rig = series(tmp_path, map(shown, changed))
+    # A second recording in the same file; whole seconds, which do not time samples.
+    for times in (data[:, 0] % 6.0, data[:, 0] // 1.0):
+        rig = series(tmp_path, map(shown, np.column_stack([times, data[:, 1:]])))
         is_right(rig, 5, rel=0.01)
-        assert any(f"goes back at line {line}" in remark for remark in rig.sheet.remarks)
-    # Whole seconds do not time samples.
-    is_right(series(tmp_path, ([int(row[0]), *shown(row[1:])] for row in data)), 5, rel=0.01)
+        assert "the times do not ascend: the rows are taken as equally apart" in rig.sheet.remarks
 
 
 def test_rows_of_a_step_are_averaged_and_different_points_are_not(tmp_path: Path) -> None:
@@ -135,16 +132,6 @@ def test_a_date_beside_a_clock_and_no_times_at_all(tmp_path: Path) -> None:
     rows = [["27.11.2026", clock(row[0] - 20).strftime("%H:%M:%S.%f"), *shown(row[1:])] for row in recorded()]
     for head, some in ((["Datum", "Uhrzeit", *TITLES], rows), (TITLES, [row[2:] for row in rows])):
         is_right(series(tmp_path, some, head, ";"), 5, rel=0.01)
-
-
-def test_channels_with_times_of_their_own(tmp_path: Path) -> None:
-    data = recorded(points=6)
-    groups = [data[::every, [0, 1 + k]] for k, every in enumerate((1, 2, 5, 1, 2, 5, 1))]
-    rows = [[f"{cell:.5f}" if row < len(own) else "" for own in groups for cell in own[min(row, len(own) - 1)]] for row in range(len(data))]
-    apart = series(tmp_path, rows, [title for name in TITLES for title in ("t [s]", name)])
-    together = series(tmp_path, data.tolist())
-    is_right(apart, 6, rel=0.01)
-    assert values(apart)[:, :4] == pytest.approx(values(together)[:, :4], rel=4e-3)
 
 
 def test_channels_with_their_own_rasters(tmp_path: Path) -> None:

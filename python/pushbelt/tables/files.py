@@ -239,7 +239,7 @@ def _mf4(data: bytes, names: Names) -> Cells:
         from asammdf import MDF
 
         with MDF(io.BytesIO(data)) as file:
-            listed = {(group, k): one.name.split("\\")[0] for group, own in enumerate(file.groups) for k, one in enumerate(own.channels)}
+            listed = {(group, k): one.name.split("\\")[0] for group, own in enumerate(file.groups) for k, one in enumerate(own.channels)}  # type: ignore[attr-defined]
             for (group, index), name in listed.items():
                 double = list(listed.values()).count(name) > 1
                 title = f"{name} group {group} channel {index}" if double else name

@@ -93,7 +93,7 @@ def grouped(faults: Sequence[Fault]) -> list[str]:
 class Reading:
     decimal: str | None = None  # `point` or `comma`; None: determined from the file
     renamed: Mapping[str, str] = field(default_factory=dict)
-    """Known name, possibly with a unit, by the title of the file, or the other way round."""
+    """Known name, possibly with a unit, by the title of the file."""
     sheet: str | None = None  # Sheet of a spreadsheet
     encoding: str | None = None  # Of a text; None: UTF-8, what its first bytes say, or CP1252
     as_written: bool = False  # Whether values that are not plausible are taken as they are written
@@ -176,7 +176,7 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one. Raises
     TableError if the file is not a table at all, OSError if it cannot be read."""
     reading = reading or Reading()
-    names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
+    names = Names(columns, reading.renamed)
     try:
         return _Reader(path, files.read(path, names, reading.sheet, reading.encoding), names, reading, misspelled).read()
     except TableError:
@@ -240,7 +240,6 @@ class _Reader:
         self.titles, self.units, row, first, remarks = header(cells, names)
         self.line, self.body = int(cells.frame.index[row]), cells.frame.iloc[first:]
         self.sheet = Sheet(path, cells.source, remarks=remarks, lines=self.body.index.to_numpy(dtype=int))
-        self.clocks: list[Taken] = []  # Columns of times, if each channel has its own
 
     def read(self) -> Sheet:
         """The sheet, without the rows that are left out."""
@@ -261,9 +260,6 @@ class _Reader:
                 sheet.texts[name] = column.astype(str).to_numpy(dtype=object)
             elif decimal is not None:
                 sheet.values[name] = self._values(name, column, decimal)
-        if self.clocks and decimal is not None and not sheet.texts:
-            self._on_one_clock(decimal)
-            return sheet
         for place, title in enumerate(self.titles):
             if title in sheet.ignored and key(title) not in INDEX:
                 numbers = numerals.numbers(self.body[place], decimal or "point")
@@ -307,19 +303,6 @@ class _Reader:
                 text = f"'{word}': the row is not valid" if valid is not None else f"'{word}': no measured row"
                 self.sheet.left_out.append(Fault(text, int(line), title or None))
 
-    def _on_one_clock(self, decimal: str) -> None:
-        """A row for each time of any channel; a channel belongs to the times to the left of it."""
-        import pandas as pd
-
-        sheet, parts, clock_name = self.sheet, [], self.clocks[0].name
-        for clock, end in zip(self.clocks, [*(clock.place for clock in self.clocks[1:]), len(self.titles)], strict=True):
-            own = {name: column for name, column in sheet.values.items() if clock.place < sheet.taken[name].place < end}
-            own[clock_name] = numerals.seconds(self.body[clock.place], clock.scale, decimal)
-            parts.append(pd.DataFrame(own, index=self.body.index).dropna(subset=[clock_name]))
-        found = pd.concat(parts).reindex(columns=list(sheet.values)).sort_values(clock_name, kind="stable")
-        sheet.remarks.append(f"{len(self.clocks)} columns {self.clocks[0].title}: each has the channels to the right of it")
-        sheet.values, sheet.lines = {name: column.to_numpy() for name, column in found.items()}, found.index.to_numpy(dtype=int)
-
     # Titles
 
     def _take(self) -> None:
@@ -340,11 +323,7 @@ class _Reader:
             self.sheet.ignored += [one.title for one in own if one not in best]
             if self.names.bare(first.title) and first.place not in renamed:
                 self.sheet.remarks.append(f"{first.title} is taken as {name}")
-            # Equal titles of times, each with other columns to the right of it, are the clocks of these.
-            apart = np.diff([*(one.place for one in best), len(self.titles)])
-            if len(best) > 1 and first.column.dimension == "time" and len({key(one.title) for one in best}) == 1 and (apart > 1).all():
-                self.clocks = best
-            elif len(best) > 1:
+            if len(best) > 1:
                 self._fault(f"it appears {len(best)} times: {' and '.join(one.title for one in best)}", name)
         self.sheet.remarks += self._meant()
 
@@ -364,17 +343,15 @@ class _Reader:
     def _renamed(self) -> dict[int, str]:
         """Known name, possibly with a unit, by place, as the user asks for."""
         found: dict[int, str] = {}
-        for one, other in self.reading.renamed.items():
-            known = {side: bool(self.names.split(turned(side)[1])) for side in (one, other)}
-            for title, wanted in ((one, other), (other, one)):
-                places = [k for k, there in enumerate(self.titles) if there.strip() == title.strip()]
-                places = places or [k for k, there in enumerate(self.titles) if there and same(there, title)]
-                if places and known[wanted]:
-                    found[places[0]] = wanted
-                    break
+        for title, wanted in self.reading.renamed.items():
+            places = [k for k, there in enumerate(self.titles) if there.strip() == title.strip()]
+            places = places or [k for k, there in enumerate(self.titles) if there and same(there, title)]
+            if not self.names.split(turned(wanted)[1]):
+                self.sheet.faults.append(Fault(f"--map {title}={wanted}: {wanted} is not a known name"))
+            elif not places:
+                self.sheet.faults.append(Fault(f"--map {title}={wanted}: there is no column {title} in the file"))
             else:
-                text = f"there is no column {one} in the file" if any(known.values()) else f"neither {one} nor {other} is a known name"
-                self.sheet.faults.append(Fault(f"--map {one}={other}: {text}"))
+                found[places[0]] = wanted
         return found
 
     def _taken(self, place: int, title: str, wanted: str | None) -> Taken | None:
@@ -388,15 +365,13 @@ class _Reader:
             self._unknown(title)
             return None
         written = self._unit(place, title, candidates[0], bool(name))
-        if not written and candidates[0][0].endswith(DEVIATION):
-            base = candidates[0][0].removesuffix(DEVIATION)
-            first = ((k, found[0]) for k, title in enumerate(self.titles) if title and (found := self.names.split(title)))
-            written = next((self._unit(k, self.titles[k], other, False) for k, other in first if other[0] == base), "")
         for name, _ in candidates:
             column = self._column(name)
             if column.dimension == "text":
                 return Taken(title, name, "", place, Unit(1.0), column)
-            scale = units.find(written or column.default, column.dimension)
+            # A standard deviation without a unit has that of its column.
+            of_column = not written and name.endswith(DEVIATION)
+            scale = Unit(1.0) if of_column else units.find(written or column.default, column.dimension)
             if scale is not None:
                 return Taken(title, name, written, place, scale, column, sign)
         name = candidates[0][0]
