@@ -433,13 +433,6 @@ def test_pressures_give_forces(tmp_path: Path) -> None:
         assert any("without the centrifugal force" in remark for remark in rig.sheet.remarks) == (oil is areas)
 
 
-def test_a_single_ratio_that_contradicts_the_speeds_is_a_fault(tmp_path: Path) -> None:
-    rows = [[2, 2000, 990, 40, 10], [4, 1500, 2380, 40, 10]]
-    with pytest.raises(TableError) as error:
-        points.read(written(tmp_path / "table.csv", [["i_geo", "n_P [rpm]", "n_S [rpm]", "T_P [Nm]", "F_S [kN]"], *rows]))
-    assert [(fault.line, fault.column) for fault in error.value.faults] == [(3, "i_geo")]
-
-
 def test_series_of_samples_are_recorded_shifts(tmp_path: Path) -> None:
     titles = ["series", "time [ms]", "n_P [rpm]", "T_P [Nm]", "F_P [kN]", "F_S [kN]", "ratio.geometric"]
     rows = [

@@ -130,14 +130,10 @@ def _recovery(trace: Trace, overload_end: float) -> Event:
 
 
 def detect(trace: Trace) -> list[Event]:
-    """All events that the trace can contain. Those that occurred come first, in the order of time."""
-    inputs = manoeuvre_inputs()
-    torque, forces = inputs["primary.torque"], inputs["primary.clampingForce"] / inputs["secondary.clampingForce"]
-    causes = {SHIFT: np.diff(forces) != 0.0, OVERLOAD: torque == torque.max()}
-    starts = {name: inputs.time[np.argmax(cause)] for name, cause in causes.items()} | {STEPS: jumps(inputs.time, torque, STEP)[0][0]}
-    later = {name for name, start in (starts | {RECOVERY: starts[OVERLOAD]}).items() if start >= trace.time[-1]}
+    """The events of the trace in the order of time; those of the whole manoeuvre that did not occur come last."""
     events = [launch(trace), shift(trace), *torque_steps(trace), *over_torque(trace)]
-    return sorted((event for event in events if event.occurred or event.name not in later), key=lambda event: (not event.occurred, event.start))
+    whole = trace.time[-1] >= manoeuvre_inputs().time[-1]
+    return sorted((event for event in events if event.occurred or whole), key=lambda event: (not event.occurred, event.start))
 
 
 # Checks

@@ -179,9 +179,9 @@ def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
     shown = [name for name in found if name not in hidden]
     if not shown:
         raise TextError(f"all tables are in hidden sheets: --sheet reads one of {', '.join(hidden)}" if found else "the table is empty")
-    own = {name: {split[0][0] for row in found[name].head() for cell in row if (split := names.split(cell))} for name in shown}
-    best = max(shown, key=lambda name: max(map(names.count, found[name].head())))
-    same = [name for name in shown if len(own[name]) >= LEAST_NAMES and (own[name] <= own[best] or own[name] >= own[best])]
+    counts = {name: max(map(names.count, found[name].head())) for name in shown}
+    best = max(counts, key=lambda name: counts[name])
+    same = [name for name, count in counts.items() if count == counts[best] >= LEAST_NAMES]
     if len(same) > 1:
         raise TextError(f"the sheets {', '.join(same)} have the same columns: --sheet says which one is read")
     others = [f"sheet {name} is {'hidden and ' * (name in hidden)}not read" for name in found if name != best]

@@ -14,10 +14,9 @@ from . import plausible, series, units
 from . import sheet as sheets
 from .columns import COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, SURE, TIME
 from .names import DEVIATION, Column, same
-from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, Taken, grouped, of_the_column
+from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, Taken, grouped
 
 Array = np.ndarray
-AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
 
 
 @dataclass(frozen=True)
@@ -207,39 +206,19 @@ class _Points:
             self.sheet.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
 
     def _ratios(self) -> None:
-        """The speed ratio from both speeds; agreement of the ratios with each other; the slip from both ratios."""
-        if self._has("primary.speed", "secondary.speed"):
-            found = self.values["primary.speed"] / self.values["secondary.speed"]
-            if self._has("ratio.speed"):
-                self._compare("ratio.speed", found, AGREE)
-            else:
-                self.values["ratio.speed"] = found
-                self.sheet.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
-        if self._has("ratio.geometric", "ratio.speed"):
-            self._compare("ratio.geometric", self.values["ratio.speed"], 0.5)
-            if not self.recorded and not self._has("slip"):
-                self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
-                self.sheet.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
-
-    def _compare(self, name: str, speed_ratio: Array, tolerance: float) -> None:
-        """Faults of rows whose ratio contradicts the speeds, unless most do: then the table is checked as a whole."""
-        values = self.values[name]
-        # The ratio 1 distinguishes nothing.
-        there = np.isfinite(values) & np.isfinite(speed_ratio) & (np.abs(np.log(speed_ratio)) > 2 * AGREE)
-        off = np.abs(values / speed_ratio - 1.0)
-        if there.any() and (off[there] > 2 * AGREE).mean() <= MOST:
-            for row in np.flatnonzero(there & (off > tolerance)).tolist():
-                self._fault(f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}", row, name)
+        """The speed ratio from both speeds, and the slip from both ratios."""
+        if self._has("primary.speed", "secondary.speed") and not self._has("ratio.speed"):
+            self.values["ratio.speed"] = self.values["primary.speed"] / self.values["secondary.speed"]
+            self.sheet.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
+        if self._has("ratio.geometric", "ratio.speed") and not self.recorded and not self._has("slip"):
+            self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
+            self.sheet.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
 
     def _drop(self, name: str, bad: Array, why: Callable[[float], str], source: str) -> None:
-        """Rows with a bad value of a column that is computed from another one: left out, or a fault of the column if most are bad."""
-        column, rows = self.values[name], np.flatnonzero(bad).tolist()
-        faults = [self._place(why(column[row]), row, source) for row in rows]
-        if len(faults) > MOST * np.isfinite(column).sum():
-            self.sheet.faults += of_the_column(faults, 0)
-        else:
-            self.sheet.left_out += faults
-            self.lost.update(rows)
+        """Leaves out rows with a bad value of a column that is computed from another one."""
+        for row in np.flatnonzero(bad).tolist():
+            self._leave_out(why(self.values[name][row]), row, source)
+            self.lost.add(row)
 
     def _efficiency(self) -> None:
         """The efficiency of the driving direction, as it is given or from speeds and torques."""

@@ -5,7 +5,6 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -67,14 +66,6 @@ class TableError(PushbeltError, ValueError):
         lines = [f"  {fault}" for fault in self.faults[:SHOWN]] + [f"  and {more} more of the same kinds"] * (more > 0)
         text = str(self.faults[0]) if len(self.faults) == 1 else "\n".join([f"{len(self.faults)} faults", *lines])
         super().__init__(start + text)
-
-
-def of_the_column(faults: Sequence[Fault], good: int, hint: str = "") -> list[Fault]:
-    """The first of the faults of a column for all of them, if at least half of its values have one."""
-    if not faults or len(faults) < MOST * (len(faults) + good):
-        return []
-    more = f" (and {len(faults) - 1} more rows)" if len(faults) > 1 else ""
-    return [faults[0]._replace(text=faults[0].text + more + hint)]
 
 
 def grouped(faults: Sequence[Fault]) -> list[str]:
@@ -453,44 +444,36 @@ class _Reader:
                 one = sheet.taken[name] = one.in_per_cent
         values = np.where(shares, one.in_per_cent.si(numbers) if one.column.dimension == "ratio" else np.nan, one.si(numbers))
         low, high = one.limits
-        inside = (values > low if one.deviation else values >= low) & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
-        faults: dict[str, list[Fault]] = {"sign": [], "value": [], "word": [], "range": []}
-        for row in np.flatnonzero(~inside & ~column.isin(["", *"-–—"]).to_numpy(dtype=bool)):
-            kind, text = self._why(one, column.iloc[row], numbers[row], values[row], decimal)
-            faults[kind].append(Fault(text, int(column.index[row]), one.title))
-        sheet.faults += faults.pop("sign")
-        outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"] if fault.line is not None])
-        for kind, hint in (("range", self._other_unit(one, numbers[outside])), ("word", "")):
-            if column_has := of_the_column(faults[kind], int(inside.sum()), hint):
-                sheet.faults += column_has
-                faults[kind].clear()
-        bad = sorted(itertools.chain(*faults.values()), key=lambda fault: fault.line or 0)
-        if len(bad) == len(column) > 0 and all(fault.text.endswith("is no value") for fault in bad):
+        words = column.map(lambda cell: isinstance(cell, str) and numerals.missing(cell)).to_numpy(dtype=bool)
+        absent, empty = words | np.isin(numbers, numerals.SENTINELS), column.isin(["", *"-–—"]).to_numpy(dtype=bool)
+        inside = (values > low if one.deviation else values >= low) & (values <= high) & ~absent
+        if absent.any() and (absent | empty).all():
             sheet.remarks.append(f"column {one.title} has no value")
-        else:
-            sheet.left_out += bad
+            return np.where(inside, values, np.nan)
+        wrong = np.flatnonzero(~(inside | absent | empty))
+        faults = [Fault(self._why(one, column.iloc[row], numbers[row], values[row]), int(column.index[row]), one.title) for row in wrong]
+        if faults and len(faults) >= MOST * (len(faults) + inside.sum()):
+            more = f" (and {len(faults) - 1} more rows)" * (len(faults) > 1) + self._other_unit(one, numbers[wrong][np.isfinite(numbers[wrong])])
+            sheet.faults.append(faults[0]._replace(text=faults[0].text + more))
+            faults = []
+        faults += [Fault(f"'{cell}' is no value", int(line), one.title) for line, cell in column[absent].items()]
+        sheet.left_out += sorted(faults, key=lambda fault: fault.line or 0)
         return np.where(inside, values, np.nan)
 
     @staticmethod
-    def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:
-        """Kind and text of the fault of a cell."""
-        if number in numerals.SENTINELS or (isinstance(cell, str) and numerals.missing(cell)):
-            return "value", f"'{cell if isinstance(cell, str) else format(cell, 'g')}' is no value"
+    def _why(one: Taken, cell: str | float, number: float, value: float) -> str:
+        """Why a cell has no value of its column."""
         if np.isnan(number) or (np.isnan(value) and not one.turned):
-            other = next(name for name in numerals.SIGNS if name != decimal)
-            if np.isnan(number) and numerals.number(str(cell), other) is not None:
-                # A decimal sign unlike that of the other numbers is ambiguous.
-                return "sign", f"'{cell}' is not a number with a decimal {decimal}, which the other numbers of the file have"
-            return "word", f"'{cell}' is not a number"
+            return f"'{cell}' is not a number"
         low, high = sorted((one.in_per_cent if str(cell).endswith("%") else one).written(np.array(one.limits)))
         unit = one.unit or one.column.default
         shown = "" if unit in ("", "1", "-") else f" {unit}"
-        return "range", f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{shown}"
+        return f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{shown}"
 
     @staticmethod
     def _other_unit(one: Taken, numbers: Array) -> str:
         """The first unit in which numbers would be in the range of the column, with the option that says so."""
-        for unit in units.confused(one.column.dimension) if not one.turned else ():
+        for unit in units.confused(one.column.dimension) if numbers.size and not one.turned else ():
             scale = units.find(unit, one.column.dimension)
             if scale not in (None, one.scale) and (np.clip(scale.si(numbers), one.column.low, one.column.high) == scale.si(numbers)).all():
                 return f'; plausible is {unit} (--map "{one.title}={one.name} [{unit}]")'
