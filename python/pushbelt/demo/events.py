@@ -16,7 +16,6 @@ from pushbelt.report.style import RPM
 
 from .simulate import DemoResults
 
-SHIFT, STEPS, RECOVERY = "Shift to overdrive", "Torque steps", "Recovery"  # Names of events
 OVERLOAD = "Over-torque with macro-slip"  # Name of the event that the over-torque of the manoeuvre causes
 STEP = 20.0  # Least step of the primary torque, N·m
 
@@ -57,7 +56,7 @@ def launch(trace: Trace) -> Event:
 
 
 def shift(trace: Trace) -> Event:
-    name = SHIFT
+    name = "Shift to overdrive"
     ratio, time = trace["ratio.geometric"], trace.time
     through_one = np.flatnonzero((ratio[:-1] > 1.0) & (ratio[1:] <= 1.0))
     if not through_one.size:
@@ -87,38 +86,32 @@ def torque_steps(trace: Trace) -> list[Event]:
         utilisation = trace["torqueUtilisation"][window][-1]
         evidence = f"0.3 s later the belt carries {belt:.1f} N·m; slip from {first:.2f} to {last:.2f} %, utilisation {utilisation:.2f}"
         events.append(Event(f"Torque step {before:.0f} → {after:.0f} N·m", True, evidence, at))
-    return events or [Event(STEPS, False, f"no step of the primary torque above {STEP:g} N·m within 30 ms")]
+    return events or [Event("Torque steps", False, f"no step of the primary torque above {STEP:g} N·m within 30 ms")]
 
 
 def over_torque(trace: Trace) -> list[Event]:
-    """Macro-slip under too much torque, and the recovery from it. Of several intervals of macro-slip, the one with the
-    largest external torque is used; the others are additional events."""
+    """Macro-slip under too much torque, in the interval of macro-slip with the largest external torque, and the recovery from it."""
     slipping = [one for one in intervals(trace.time, trace["macroSlip"], gap=0.02) if one[1] - one[0] >= 0.02]
     if not slipping:
         utilisation = trace["torqueUtilisation"].max()
         return [
             Event(OVERLOAD, False, f"macroSlip is never true for 20 ms; utilisation {utilisation:.2f}"),
-            Event(RECOVERY, False, "no recovery, since there was no macro-slip"),
+            Event("Recovery", False, "no recovery, since there was no macro-slip"),
         ]
-    overload = max(slipping, key=lambda one: np.abs(trace["primary.externalTorque"][_within(trace, *one)]).max())
-    events = [_slipping(OVERLOAD if one == overload else "Additional macro-slip", trace, *one) for one in slipping]
-    return [*events, _recovery(trace, overload[1])]
+    start, end = max(slipping, key=lambda one: np.abs(trace["primary.externalTorque"][_within(trace, *one)]).max())
+    during = _within(trace, start, end)
+    torque, carried = trace["primary.externalTorque"][during].max(), np.median(-trace["primary.shaftTorque"][during])
+    slip, loss = 100 * np.abs(trace["slip"][during]).max(), 1e-3 * trace["loss.total"][during].max()
+    evidence = f"primary torque up to {torque:.0f} N·m, of which the belt carries {carried:.0f} N·m (median); slip up to {slip:.0f} %"
+    return [Event(OVERLOAD, True, f"{evidence}, loss up to {loss:.3g} kW", start, end), _recovery(trace, end)]
 
 
 def _within(trace: Trace, start: float, end: float) -> Array:
     return (trace.time >= start) & (trace.time <= end)
 
 
-def _slipping(name: str, trace: Trace, start: float, end: float) -> Event:
-    during = _within(trace, start, end)
-    torque, carried = trace["primary.externalTorque"][during].max(), np.median(-trace["primary.shaftTorque"][during])
-    slip, loss = 100 * np.abs(trace["slip"][during]).max(), 1e-3 * trace["loss.total"][during].max()
-    evidence = f"primary torque up to {torque:.0f} N·m, of which the belt carries {carried:.0f} N·m (median); slip up to {slip:.0f} %"
-    return Event(name, True, f"{evidence}, loss up to {loss:.3g} kW", start, end)
-
-
 def _recovery(trace: Trace, overload_end: float) -> Event:
-    name = RECOVERY
+    name = "Recovery"
     slip = np.abs(trace["slip"])
     if slip[-1] > 0.03 or trace["macroSlip"][-1] > 0.5:
         return Event(name, False, f"slip is still {100 * slip[-1]:.1f} % at the end")
