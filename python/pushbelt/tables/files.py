@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..errors import PushbeltError
 from .names import Names
-from .numerals import MISSING, Percent
+from .numerals import MISSING, Percent, TextError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,10 +29,6 @@ WANTED = "export it as CSV, .xlsx, Parquet or MDF"
 HEAD = 60  # Rows in which the header is searched
 MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 """Encodings by the bytes with which files start."""
-
-
-class TextError(PushbeltError, ValueError):
-    """The file is not a table. The message contains the reason."""
 
 
 class Cells(NamedTuple):

@@ -37,8 +37,8 @@ class Percent(float):
         return f"{float(self):g}%"
 
 
-class NumeralError(PushbeltError, ValueError):
-    """The decimal sign cannot be determined. The message contains the reason."""
+class TextError(PushbeltError, ValueError):
+    """The file is not a table, or its decimal sign cannot be determined. The message contains the reason."""
 
 
 def _pattern(decimal: str) -> re.Pattern[str]:
@@ -82,7 +82,7 @@ def numbers(cells: pd.Series, decimal: str) -> np.ndarray:
 
 
 def settle(cells: Iterable[str], separator: str = "", certainly: bool = False) -> str | None:
-    """The name of the decimal sign of a file from all its numbers. Raises NumeralError if both readings fit and differ. With
+    """The name of the decimal sign of a file from all its numbers. Raises TextError if both readings fit and differ. With
     `certainly` it is None, unless all cells with digits are numbers with exactly one sign. `separator` is the sign between
     columns: a file with commas between its columns has no decimal comma without quotes."""
     texts = dict.fromkeys(cleaned(text) for text in cells if text.strip() and not missing(text))
@@ -98,7 +98,7 @@ def settle(cells: Iterable[str], separator: str = "", certainly: bool = False) -
     if not differing or points < len(known) or (separator == "," and not any("," in text for text in known)):
         return "point"
     point, comma = known[differing[0]]
-    raise NumeralError(
+    raise TextError(
         f"'{differing[0]}' is {point:.10g} with a decimal point and {comma:.10g} with a decimal comma, and no number of the file settles it: "
         "specify --decimal point or --decimal comma"
     )

@@ -13,8 +13,8 @@ from ..fmu.closing import closing_force, sheave_position
 from . import plausible, series, units
 from . import sheet as sheets
 from .columns import COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, SURE, TIME
-from .names import DEVIATION, Column, same
-from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, Taken, grouped
+from .names import DEVIATION, same
+from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped
 
 Array = np.ndarray
 
@@ -86,15 +86,7 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
     if SERIES not in sheet.taken and not sheet.faults:
-        # Unknown channels are averaged with the others.
-        unknown = {title: cells for title, cells in sheet.others.items() if cells.dtype != object}
-        plain = Column("other", -math.inf, math.inf, "unknown")
-        known, own = sheet.taken, {title: Taken(title, title, "", 0, units.Unit(1.0), plain) for title in unknown}
-        sheet = replace(sheet, values={**sheet.values, **unknown}, taken={**known, **own})
         sheet = series.averaged(sheet, TIME, STEP, tuple(CONDITIONS), NAME, reading.as_written)
-        averaged = {title: sheet.values.pop(title) for title in unknown}
-        others = {title: cells for title, cells in {**sheet.others, **averaged}.items() if len(cells) == len(sheet)}
-        sheet = replace(sheet, taken=known, others=others)
     _add_accuracy(sheet, reading.accuracy)
     points = _Points(sheet, parameters)
     rig = points.rig()

@@ -44,7 +44,7 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     # Different points may have a step in common, too.
     inside = np.zeros(1, dtype=bool) if labels is None or labels[-1] == 0 else together[np.diff(labels) == 0]
     stepped = bool(inside.size) and inside.mean() > 0.5
-    recorded = timed and raster <= RASTER and len(sheet) >= MANY and _smooth(channels.values())
+    recorded = timed and raster <= RASTER and len(sheet) >= MANY
     if raster <= 0.0 or not (stepped or recorded or (together.mean() > 0.5 and (timed or not as_points))):
         return sheet
     sheet.remarks += remark
@@ -105,13 +105,6 @@ def _together(channels: Iterable[Array]) -> Array:
     return np.zeros(1, dtype=bool) if found is None or not found.size else found
 
 
-def _smooth(channels: Iterable[Array]) -> bool:
-    """Whether rows that follow each other are closer than rows that are far apart, in most channels that change."""
-    finite = [own for values in channels if len(own := values[np.isfinite(values)]) > 1 and np.ptp(own) > 0.0]
-    closer = [np.median(np.abs(np.diff(own))) < 0.5 * np.median(np.abs(own - np.roll(own, len(own) // 2))) for own in finite]
-    return 2 * sum(closer) >= len(closer)
-
-
 def _plateaus(even: Array, raw: Array, half: int) -> list[tuple[int, int]]:
     """Spans without a change in any channel, at least a window long. The windows before and after a place are within the plateau."""
     count = len(raw) - 2 * half + 1
@@ -149,7 +142,8 @@ def _rows(
     for row, (start, end) in enumerate(spans):
         place[(times >= start) & (times < end)] = row
     inside = place >= 0
-    data = pd.DataFrame({channel: values for channel, values in sheet.values.items() if channel != time})
+    unknown = [title for title, cells in sheet.others.items() if cells.dtype != object]
+    data = pd.DataFrame({c: values for c, values in {**sheet.values, **{t: sheet.others[t] for t in unknown}}.items() if c != time})
     groups = data[inside].groupby(place[inside])
     apart = (data[inside] - groups.transform("median")).abs()
     limit = SPIKE * apart.groupby(place[inside]).transform("median")
@@ -172,10 +166,8 @@ def _rows(
         own = f"lines {lines[row][0]} to {lines[row][-1]}, {len(lines[row])} samples"
         described.append(f"plateau {row + 1}: {start:.4g} to {end:.4g} s, {own}: {'; '.join(parts)}")
     texts = {name: np.array([f"plateau {row}" for row in range(1, len(spans) + 1)], dtype=object)}
-    count = int(spikes.to_numpy().sum())
-    return replace(
-        sheet, values={channel: column.to_numpy() for channel, column in means.items()}, texts=texts,
-        lines=np.array([own[0] for own in lines], dtype=int),
-        errors={channel: column.to_numpy() for channel, column in errors.items() if not channel.endswith(DEVIATION)},
-        remarks=[*sheet.remarks, *[f"{count} samples far from their plateau are not averaged"] * (count > 0)],
-    ), described  # fmt: skip
+    count, first = int(spikes.to_numpy().sum()), np.array([own[0] for own in lines], dtype=int)
+    remarks = [*sheet.remarks, *[f"{count} samples far from their plateau are not averaged"] * (count > 0)]
+    values, others = ({name: means[name].to_numpy() for name in data if (name in unknown) == which} for which in (False, True))
+    of_means = {name: errors[name].to_numpy() for name in values if not name.endswith(DEVIATION)}
+    return replace(sheet, values=values, others=others, texts=texts, lines=first, errors=of_means, remarks=remarks), described

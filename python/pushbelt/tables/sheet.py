@@ -15,9 +15,9 @@ import numpy as np
 
 from ..errors import PushbeltError
 from . import files, numerals, units
-from .files import Cells, TextError
+from .files import Cells
 from .names import DEVIATION, Column, Names, key, same, splits, turned
-from .numerals import NumeralError, Percent
+from .numerals import Percent, TextError
 from .units import Unit
 
 if TYPE_CHECKING:
@@ -424,7 +424,7 @@ class _Reader:
         )
         try:
             return numerals.settle(first, certainly=True) or numerals.settle(every, self.cells.separator)
-        except NumeralError as error:
+        except TextError as error:
             self.sheet.faults.append(Fault(str(error)))
             return None
 
