@@ -17,7 +17,7 @@ RASTER = 2.0  # s
 HALF, SAMPLES = 0.25, 3
 """The means of two adjacent windows are compared: their length in seconds, and their least number of samples. A plateau is at least three
 windows long; its first and last one are not averaged, since the rig settles there."""
-WITHOUT_TIME = 25, SAMPLES  # Samples of a window if the table has no times; the second if the first gives too few plateaus
+WITHOUT_TIME = 25  # Samples of a window if the table has no times
 NEAR = 0.1  # Rows that agree differ by at most this share of a channel's range
 NOISE = 5.0  # A change above this multiple of the usual scatter of the differences ends a plateau …
 LEAST, LARGEST = 0.003, 0.02  # … but not one below the first share of the channel's level, and any above the second
@@ -48,18 +48,17 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     if raster <= 0.0 or not (stepped or recorded or (together.mean() > 0.5 and (timed or not as_points))):
         return sheet
     sheet.remarks += remark
-    for half in (max(SAMPLES, round(HALF / raster)),) if timed else WITHOUT_TIME:
-        # A pause of the recording has the length of two windows.
-        apart = np.maximum(np.diff(times[good], prepend=times[good][0]) - 2 * half * raster, 0.0)
-        own_times = times.copy()
-        own_times[good] -= np.cumsum(apart)
-        grid = np.arange(own_times[good][0], own_times[good][-1] + 0.5 * raster, raster)
-        own = {channel: good & np.isfinite(values) for channel, values in channels.items()}
-        raw = pd.DataFrame({c: np.interp(grid, own_times[there], channels[c][there]) for c, there in own.items() if there.any()})
-        # Without spikes of one or two samples.
-        found = _plateaus(raw.rolling(5, center=True, min_periods=1).median().to_numpy(), raw.to_numpy(), half)
-        if enough := sum(end - start + 2 * half for start, end in found) > 0.5 * len(grid):
-            break
+    half = max(SAMPLES, round(HALF / raster)) if timed else WITHOUT_TIME
+    # A pause of the recording has the length of two windows.
+    apart = np.maximum(np.diff(times[good], prepend=times[good][0]) - 2 * half * raster, 0.0)
+    own_times = times.copy()
+    own_times[good] -= np.cumsum(apart)
+    grid = np.arange(own_times[good][0], own_times[good][-1] + 0.5 * raster, raster)
+    own = {channel: good & np.isfinite(values) for channel, values in channels.items()}
+    raw = pd.DataFrame({c: np.interp(grid, own_times[there], channels[c][there]) for c, there in own.items() if there.any()})
+    # Without spikes of one or two samples.
+    found = _plateaus(raw.rolling(5, center=True, min_periods=1).median().to_numpy(), raw.to_numpy(), half)
+    enough = sum(end - start + 2 * half for start, end in found) > 0.5 * len(grid)
     if not enough and (stepped or not (timed and len(sheet) >= MANY)):
         # Rows of a step, or that agree with the one above, in place of windows.
         runs = np.flatnonzero(np.diff(labels) if stepped and labels is not None else ~together) + 1

@@ -197,29 +197,16 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
     below = [row for row in range(at + 1, at + 1 + HEADERS) if row < len(head)]
     found = next((row for row in [*below, at - 1] if row >= 0 and _is_row_of_units(head[row])), None)
     first = max(at, -1 if found is None else found) + 1
-    while first in below and _is_row_of_words(head[first]):
-        first += 1
     remarks = [*cells.remarks, *[f"{at} rows above the header are not read"] * (at > 0)]
-    skipped = [row for row in range(at + 1, first) if row != found]
-    remarks += [f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}" for row in skipped]
     return titles, [""] * len(titles) if found is None else head[found], at, first, remarks
-
-
-def _is_number(cell: str) -> bool:
-    return any(numerals.number(cell, name) is not None for name in numerals.SIGNS)
-
-
-def _is_row_of_words(row: Sequence[str]) -> bool:
-    """Words in all cells, which are neither numbers nor signs for a missing value."""
-    filled = [cell for cell in row if cell]
-    return bool(filled) and not any(numerals.missing(cell) or _is_number(cell) or not any(map(str.isalpha, cell)) for cell in filled)
 
 
 def _is_row_of_units(row: Sequence[str]) -> bool:
     """No numbers apart from the unit 1, and at least half of the cells are units."""
     filled = [cell for cell in row if cell]
     known = [cell for cell in filled if units.is_unit(cell)]
-    return bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled) and not any(cell != "1" and _is_number(cell) for cell in filled)
+    numbers = [cell for cell in filled if cell != "1" and any(numerals.number(cell, name) is not None for name in numerals.SIGNS)]
+    return bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled) and not numbers
 
 
 # Columns and values
