@@ -92,13 +92,14 @@ def _text(data: bytes, names: Names, known: str | None) -> Cells:
     text, encoding = _decoded(data, known)
     guessed = encoding in ("cp1252", "latin-1") and known is None
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    declared = re.fullmatch(r'\s*"?sep=(.)"?[\s;,\t]*', lines[0], re.IGNORECASE)
-    lines = _with_header([*[""] * bool(declared), *lines[bool(declared) :]], names)
+    # A spreadsheet may declare the separator.
+    lines[0] = re.sub(r'^\s*"?sep=."?[\s;,\t]*$', "", lines[0], flags=re.IGNORECASE)
+    lines = _with_header(lines, names)
     shown = [line for line in lines if line.strip(' ,;|\t"')]
     if not shown:
         raise TextError("the table is empty")
-    separator = declared[1] if declared else _separator(shown[:HEAD], names)
-    name = f"{encoding.upper()}, {SEPARATORS.get(separator, repr(separator))} between columns"
+    separator = _separator(shown[:HEAD], names)
+    name = f"{encoding.upper()}, {SEPARATORS[separator]} between columns"
     if separator == "  ":
         lines, separator = ["\x1f".join(_split(line, "  ")) if line.strip() else "" for line in lines], "\x1f"
     # The C parser of pandas takes the number of columns from here.

@@ -6,7 +6,7 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,7 +17,7 @@ from ..errors import PushbeltError
 from . import files, numerals, units
 from .files import Cells
 from .names import DEVIATION, Column, Names, key, same, splits, turned
-from .numerals import Percent, TextError
+from .numerals import TextError
 from .units import Unit
 
 if TYPE_CHECKING:
@@ -36,9 +36,6 @@ VALID = {key(word): good for words, good in (("valid isvalid validity gültig gu
 """Titles of columns that say whether a row is valid, or that it is not."""
 YES = frozenset("1 10 true wahr vrai yes y ja j oui x ok gültig valid".split())
 SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their numbers agree
-SEVERAL = 3  # Least number of values without a unit that are read as per cent
-SHARES: dict[str, tuple[Callable[[Array], Any], float, float]] = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
-"""Columns that are in per cent without saying so if this of their values is in these limits."""
 MEANT = "not read; if"  # Start of the remark that says how an unknown column is read
 TIMED = re.compile(r"zeit|time|temps|stamp|clock|(?:^|[\[({/,]|\bin )\s*(?:s|ms|us|µs|sec|sek)\s*[\])}]*$")  # Titles of times
 ASCENDING = 0.9  # Share of the values of an unknown column that are not below the one above, if it is the time
@@ -422,13 +419,6 @@ class _Reader:
             return numerals.seconds(column, one.scale, decimal)
         numbers = numerals.numbers(column, decimal)
         shares = column.map(lambda cell: str(cell).endswith("%")).to_numpy(dtype=bool)
-        if name in SHARES and one.scale == Unit(1.0) and not one.turned and not any(isinstance(cell, Percent) for cell in column):
-            # A column without a unit, or 1, whose values are no shares, like an efficiency of 97.
-            typical, low, high = SHARES[name]
-            sizes = np.abs(numbers[np.isfinite(numbers)])
-            if sizes.size >= SEVERAL and low < float(typical(sizes)) <= high:
-                sheet.remarks.append(f"{one.title} has values that are no shares and is read as %")
-                one = sheet.taken[name] = one.in_per_cent
         values = np.where(shares, one.in_per_cent.si(numbers) if one.column.dimension == "ratio" else np.nan, one.si(numbers))
         low, high = one.limits
         words = column.map(lambda cell: isinstance(cell, str) and numerals.missing(cell)).to_numpy(dtype=bool)
