@@ -27,8 +27,6 @@ LARGEST = 1_000_000_000  # Largest file, bytes
 LEAST_NAMES = 3  # Number of known columns from which a remark is a header, and a sheet a table beside another one with the same
 WANTED = "export it as CSV, .xlsx, Parquet or MDF"
 HEAD = 60  # Rows in which the header is searched
-MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
-"""Encodings by the bytes with which files start."""
 
 
 class Cells(NamedTuple):
@@ -75,12 +73,13 @@ def read(path: Path, names: Names, sheet: str | None = None, encoding: str | Non
 
 
 def _decoded(data: bytes, encoding: str | None = None) -> tuple[str, str]:
-    encoding = encoding or next((name for mark, name in MARKS.items() if data.startswith(mark)), None)
+    if encoding is None and data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        encoding = "utf-16"
     if encoding is None and 0 in data[:4000]:
         raise TextError(f"the file is not a table: it has bytes that no text has; {WANTED}")
-    for candidate in [encoding] if encoding else ["utf-8", "cp1252", "latin-1"]:
+    for candidate in [encoding] if encoding else ["utf-8-sig", "cp1252", "latin-1"]:
         try:
-            return data.decode(candidate).lstrip("\N{ZERO WIDTH NO-BREAK SPACE}"), candidate.removesuffix("-sig")
+            return data.decode(candidate), candidate.removesuffix("-sig")
         except (UnicodeDecodeError, LookupError) as error:
             reason = error
     raise TextError(f"the file is not text in {encoding}: {reason}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -112,7 +112,6 @@ class _Points:
         """`highest` is the largest efficiency, apart from its deviation."""
         self.sheet, self.parameters, self.highest = sheet, parameters, highest
         self.values: dict[str, Array] = dict(sheet.values)
-        self.lost: set[int] = set()  # Rows that are left out because of a computed value
         self.recorded = SERIES in sheet.taken and TIME in sheet.taken
         for pulley, other in (("secondary", "primary"), ("primary", "secondary")):
             if self._has(f"{pulley}.pressure") and not self._has(f"{pulley}.clampingForce"):
@@ -187,12 +186,10 @@ class _Points:
         if known.get(f"{pulley}.cylinder.springStiffness", 0.0):
             place = np.array([sheave_position(known, pulley, ratio) for ratio in self._get("ratio.geometric", turns)])
         found = closing_force({**known, force: 0.0, pressure: self.values[pressure]}, pulley, place, speed)
-        self.values[force] = found
+        limits = CONDITIONS[force]
+        self.values[force] = np.where((found >= limits.low) & (found <= limits.high), found, np.nan)
         if (own := self.values.get(pressure + DEVIATION)) is not None:
             self.values.setdefault(force + DEVIATION, known[f"{pulley}.cylinder.area"] * own)
-        low, high = CONDITIONS[force].low, CONDITIONS[force].high
-        limits = f"not within {low:g} to {high:g} N"
-        self._drop(force, (found < low) | (found > high), lambda value: f"the force is {value:.4g} N, {limits}", pressure)
         self.sheet.remarks.append(f"{force} is the force of {pulley}.cylinder at {self.sheet.title(pressure)}")
         if not centrifugal:
             self.sheet.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
@@ -205,12 +202,6 @@ class _Points:
         if self._has("ratio.geometric", "ratio.speed") and not self.recorded and not self._has("slip"):
             self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
             self.sheet.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
-
-    def _drop(self, name: str, bad: Array, why: Callable[[float], str], source: str) -> None:
-        """Leaves out rows with a bad value of a column that is computed from another one."""
-        for row in np.flatnonzero(bad).tolist():
-            self._leave_out(why(self.values[name][row]), row, source)
-            self.lost.add(row)
 
     def _efficiency(self) -> None:
         """The efficiency of the driving direction, as it is given or from speeds and torques."""
@@ -225,7 +216,8 @@ class _Points:
             self.values["efficiency"] = self.values[POWER] = found = np.where(turned, 1.0 / found, found)
             factor = self.sheet.taken["efficiency"].scale.factor
             text = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g} and its deviation, unless the primary torque has the other sign"
-            self._drop("efficiency", found > limit - HIGHEST + self.highest, lambda value: f"{value / factor:g} {text}", "efficiency")
+            for row in np.flatnonzero(found > limit - HIGHEST + self.highest).tolist():
+                self._leave_out(f"{found[row] / factor:g} {text}", row, "efficiency")
             return
         turns = self._get("ratio.speed", self._get("ratio.geometric") / (1.0 - self._get("slip")))
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -245,7 +237,8 @@ class _Points:
     # Steady points
 
     def _steady(self) -> list[Point]:
-        rows = [row for row in range(len(self.sheet)) if row not in self.lost]
+        lost = {fault.line for fault in self.sheet.left_out}
+        rows = [row for row, line in enumerate(self.sheet.lines.tolist()) if line not in lost]
         before = len(self.sheet.left_out) + len(self.sheet.faults)
         points = [point for row in rows if (point := self._point(row)) is not None]
         if empty := len(rows) - len(points) - (len(self.sheet.left_out) + len(self.sheet.faults) - before):
