@@ -37,10 +37,6 @@ EFFICIENCY = (0.3, 1.005)
 AGREE = 0.1  # Difference of the logarithms of a ratio and the speeds' ratio
 OFF = 0.3
 """Root mean square difference of the logarithms of measured and usual thrust ratios above which other readings are tried."""
-INVERTED = ("ratio.geometric", "ratio.speed", "thrustRatio")
-SIGNED = ("primary.torque", "slip")
-READ_AS = ("speed", "torque", "force", "pressure")  # Dimensions of which other units are tried
-PAIRS = ("speed", "torque", "clampingForce", "pressure")
 
 
 def check(sheet: Sheet, values: Values, rebuilt: Callable[[Sheet], Values], as_written: bool) -> list[str]:
@@ -175,7 +171,8 @@ class Other(NamedTuple):
 
 def _others(sheet: Sheet, found: Mapping[str, str]) -> Iterator[Other]:
     there = {name: one for name, one in sheet.taken.items() if name in sheet.values}
-    for names, prefix, text in ((INVERTED, "1/", ", if it is the inverse of {}"), (SIGNED, "-", " with the other sign")):
+    inverted, signed = ("ratio.geometric", "ratio.speed", "thrustRatio"), ("primary.torque", "slip")
+    for names, prefix, text in ((inverted, "1/", ", if it is the inverse of {}"), (signed, "-", " with the other sign")):
         for name in (name for name in names if name in there):
             one = there[name]
             yield Other(one.title + text.format(name), {name: replace(one, turned="" if one.turned == prefix else prefix)})
@@ -185,14 +182,14 @@ def _others(sheet: Sheet, found: Mapping[str, str]) -> Iterator[Other]:
     # Other units of all columns of a quantity that have the same one, or of one of them.
     groups: dict[tuple[str, str], list[Taken]] = {}
     for name, one in there.items():
-        if (one.column.dimension in READ_AS or name in ("slip", "efficiency")) and not one.turned:
+        if (one.column.dimension in ("speed", "torque", "force", "pressure") or name in ("slip", "efficiency")) and not one.turned:
             groups.setdefault((name if one.column.dimension == "ratio" else one.column.dimension, one.unit), []).append(one)
     for some in (some for own in groups.values() for some in [own, *([one] for one in own if len(own) > 1)]):
         dimension, titles = some[0].column.dimension, " and ".join(one.title for one in some)
         for unit in units.confused(dimension):
             if (other := units.find(unit, dimension)) not in (None, some[0].scale):
                 yield Other(f"{titles} in {unit}", {one.name: replace(one, unit=unit, scale=other) for one in some}, unit=True)
-    pairs = [quantity for quantity in PAIRS if {f"primary.{quantity}", f"secondary.{quantity}"} <= there.keys()]
+    pairs = [quantity for quantity in ("speed", "torque", "clampingForce", "pressure") if {f"primary.{quantity}", f"secondary.{quantity}"} <= there.keys()]
     for quantities in [*([quantity] for quantity in pairs), *[["speed", "torque"]] * ({"speed", "torque"} <= set(pairs))]:
         sides = [(f"{one}.{q}", f"{other}.{q}") for q in quantities for one, other in (("primary", "secondary"), ("secondary", "primary"))]
         titles = " and ".join(there[name].title for name, _ in sides)

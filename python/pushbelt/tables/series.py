@@ -40,7 +40,7 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     good = np.isfinite(times)
     steps = [np.diff(times[good & np.isfinite(values)]) for values in channels.values()]
     raster = min((float(np.median(own)) for own in steps if len(own)), default=0.0)
-    together = _together(channels.values())
+    together = _together(len(sheet), channels.values())
     # Different points may have a step in common, too.
     inside = np.zeros(1, dtype=bool) if labels is None or labels[-1] == 0 else together[np.diff(labels) == 0]
     stepped = bool(inside.size) and inside.mean() > 0.5
@@ -90,18 +90,17 @@ def _ascend(times: Array, channels: Iterable[Array]) -> bool:
     return bool(max(rasters, default=0.0) > 0.0 and (np.diff(times[good]) >= 0.0).all())
 
 
-def _together(channels: Iterable[Array]) -> Array:
-    """Whether each row agrees in all channels with the one above within the scatter of the second differences."""
-    found: Array | None = None
+def _together(count: int, channels: Iterable[Array]) -> Array:
+    """Whether each of the rows agrees in all channels with the one above within the scatter of the second differences."""
+    found = np.ones(max(count - 1, 1), dtype=bool)
     for values in channels:
-        found = np.ones(max(len(values) - 1, 0), dtype=bool) if found is None else found
         rows = np.flatnonzero(np.isfinite(values))
         if len(rows) > 1:
             own, level = values[rows], np.quantile(np.abs(values[rows]), 0.95)
             scatter = np.median(np.abs(np.diff(own, 2))) / 1.652 if len(own) > 2 else 0.0  # σ √6 · 0.674 for white noise
             limit = min(max(NOISE * scatter, LEAST * level), max(LARGEST * level, NEAR * np.ptp(own)))
             found[rows[1:] - 1] &= np.abs(np.diff(own)) <= limit
-    return np.zeros(1, dtype=bool) if found is None or not found.size else found
+    return found
 
 
 def _plateaus(even: Array, raw: Array, half: int) -> list[tuple[int, int]]:
