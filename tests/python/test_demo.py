@@ -17,7 +17,7 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import primary_radius, theta_of
 from pushbelt.fmu.load_cases import NotFoundError, solve
-from pushbelt.fmu.results import LoadCase, LoadCaseResult, Profile, SteadyState, Trace, intervals
+from pushbelt.fmu.results import Trace
 from pushbelt.report import page
 
 BENCH = data.parameter_set("bench168")
@@ -98,13 +98,6 @@ def test_no_event_of_a_part_of_the_manoeuvre_is_missing() -> None:
     rows = trace.time <= 1.0
     found = events.detect(Trace(trace.time[rows], {name: column[rows] for name, column in trace.columns.items()}))
     assert [event.name for event in found] == ["Launch in underdrive"]
-
-
-def test_intervals_close_small_gaps() -> None:
-    time = np.arange(6) * 1.0
-    flag = np.array([0, 1, 0, 1, 0, 1])
-    assert intervals(time, flag) == [(1.0, 1.0), (3.0, 3.0), (5.0, 5.0)]
-    assert intervals(time, flag, gap=2.0) == [(1.0, 5.0)]
 
 
 def test_numbers_are_set_as_in_print() -> None:

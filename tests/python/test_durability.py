@@ -119,19 +119,6 @@ def test_stress_along_the_ring_gives_the_damage_of_the_outputs(tmp_path: Path) -
     assert read(both).field is None and read(both, profile=True).field.shape == (101, 72)
 
 
-@pytest.mark.parametrize("profile", [False, True])
-def test_files_with_units_are_read_as_those_without(tmp_path: Path, profile: bool) -> None:
-    """The titles of the programs of this project, and stress in MPa."""
-    columns = run(amplitude=4e8, mean=5e8) | {f"{FIELD}[{k}]": np.full(101, value) for k, value in enumerate(loop(9e8, 8e8, -1e8), start=1)}
-    units = {name: {"time": "s", "ring.speed": "m/s", "distance": "m"}.get(name, "MPa") for name in columns}
-    factors = [1e-6 if unit == "MPa" else 1.0 for unit in units.values()]
-    tables.write(tmp_path / "units.csv", tables.titles(columns, units), np.column_stack([*columns.values()]) * factors, digits=12)
-    found, plain = read(tmp_path / "units.csv", profile=profile), read(write(tmp_path / "plain.csv", columns), profile=profile)
-    for name, column in plain.columns.items():
-        assert found[name] == pytest.approx(column, rel=1e-9), name
-    assert found.field == (pytest.approx(plain.field, rel=1e-9) if profile else None)
-
-
 def test_more_clamping_costs_more_and_bending_stays(tmp_path: Path) -> None:
     columns = run(amplitude=4.5e8, mean=4e8)
     assert computed(tmp_path / "a.csv", columns).clamped(1.1) is None

@@ -17,7 +17,7 @@ from pushbelt.report.style import RPM
 from .simulate import DemoResults
 
 OVERLOAD = "Over-torque with macro-slip"  # Name of the event that the over-torque of the manoeuvre causes
-STEP = 20.0  # Least step of the primary torque, N·m
+STEP, WITHIN = 20.0, 0.03  # Least step of the primary torque, N·m, and its largest duration, s
 
 
 @dataclass(frozen=True)
@@ -27,18 +27,6 @@ class Event:
     evidence: str  # Description of the event by its outputs
     start: float = math.nan  # Start time, s; NaN if the event did not occur
     end: float = math.nan  # End time, s; NaN if the event did not occur or has no end
-
-
-def jumps(time: Array, values: Array, size: float, window: float = 0.03) -> list[tuple[float, float, float]]:
-    """Changes of more than `size` within `window` seconds: (time, value before, value after)."""
-    reach = max(1, round(window / (time[1] - time[0])))
-    change = np.abs(values[reach:] - values[:-reach])
-    found = []
-    for first, last in ((int(first), int(last)) for first, last in intervals(np.arange(len(change)), change > size)):
-        before, after = values[first], values[min(last + reach, len(values) - 1)]
-        middle = first + int(np.argmax(np.abs(np.diff(values[first : last + reach + 1]))))
-        found.append((float(time[middle]), float(before), float(after)))
-    return found
 
 
 def launch(trace: Trace) -> Event:
@@ -77,16 +65,20 @@ def torque_steps(trace: Trace) -> list[Event]:
     """Steps of the primary torque that the belt carries."""
     events = []
     slipping = intervals(trace.time, trace["macroSlip"], gap=0.02)
-    for at, before, after in jumps(trace.time, trace["primary.externalTorque"], size=STEP):
+    torque, reach = trace["primary.externalTorque"], max(1, round(WITHIN / (trace.time[1] - trace.time[0])))
+    change = np.abs(torque[reach:] - torque[:-reach])
+    for first, last in ((int(first), int(last)) for first, last in intervals(np.arange(len(change)), change > STEP)):
+        before, after = torque[first], torque[min(last + reach, len(torque) - 1)]
+        at = float(trace.time[first + int(np.argmax(np.abs(np.diff(torque[first : last + reach + 1]))))])
         if any(start - 0.1 <= at <= end + 0.1 for start, end in slipping):
             continue
         window = _within(trace, at, at + 0.3)
         belt = -trace["primary.shaftTorque"][window][-1]
-        first, last = 100 * trace["slip"][window][[0, -1]]
+        slips = 100 * trace["slip"][window]
         utilisation = trace["torqueUtilisation"][window][-1]
-        evidence = f"0.3 s later the belt carries {belt:.1f} N·m; slip from {first:.2f} to {last:.2f} %, utilisation {utilisation:.2f}"
+        evidence = f"0.3 s later the belt carries {belt:.1f} N·m; slip from {slips[0]:.2f} to {slips[-1]:.2f} %, utilisation {utilisation:.2f}"
         events.append(Event(f"Torque step {before:.0f} → {after:.0f} N·m", True, evidence, at))
-    return events or [Event("Torque steps", False, f"no step of the primary torque above {STEP:g} N·m within 30 ms")]
+    return events or [Event("Torque steps", False, f"no step of the primary torque above {STEP:g} N·m within {WITHIN:g} s")]
 
 
 def over_torque(trace: Trace) -> list[Event]:
