@@ -175,14 +175,20 @@ def test_parquet(tmp_path: Path) -> None:
     is_right(points.read(tmp_path / "series.parquet"), 5, rel=0.01)
 
 
-def test_mf4_with_channels_at_their_own_times(tmp_path: Path) -> None:
+def mf4(path: Path, signals: Iterable[Sequence[Any]]) -> Path:
+    """A file of channels, each with values, times, name and unit. As of INCA, each is listed with and without its device."""
     asammdf = pytest.importorskip("asammdf")
-    data, path = recorded(), tmp_path / "series.mf4"
     with asammdf.MDF() as file:
-        for k, (name, unit) in enumerate(zip([*COLUMNS, "noise"], [*UNITS, "dB"], strict=True)):
-            every = (1, 2, 2, 5, 5, 10, 10, 1)[k]
-            file.append(asammdf.Signal(data[::every, min(k + 1, 7)], data[::every, 0], name=name, unit=unit))
-        file.save(path)
+        for values, times, name, unit in signals:
+            file.append(asammdf.Signal(values, times, name=name, unit=unit, display_names={f"{name}\\ETKC:1": "display"}))
+        file.save(path, overwrite=True)
+    return path
+
+
+def test_mf4_with_channels_at_their_own_times(tmp_path: Path) -> None:
+    data, rasters = recorded()[:, [0, *range(1, 8), 7]], (1, 2, 2, 5, 5, 10, 10, 1)
+    channels = zip(data.T[1:], rasters, [*COLUMNS, "noise"], [*UNITS, "dB"], strict=True)
+    path = mf4(tmp_path / "series.mf4", [(own[::every], data[::every, 0], name, unit) for own, every, name, unit in channels])
     rig = points.read(path)
     is_right(rig, 5, rel=0.01)
     assert rig.sheet.source == "MDF"
@@ -191,23 +197,11 @@ def test_mf4_with_channels_at_their_own_times(tmp_path: Path) -> None:
     assert values(points.read(packed)) == pytest.approx(values(rig))
 
 
-def test_channels_of_one_name_are_told_apart_and_one_under_two_names_is_one(tmp_path: Path) -> None:
-    """As INCA writes them: each is listed with and without its device, and the speed is recorded by two devices."""
-    asammdf = pytest.importorskip("asammdf")
+def test_channels_of_one_name_are_told_apart(tmp_path: Path) -> None:
+    """The speed is recorded by two devices."""
     data, path = recorded(), tmp_path / "series.mf4"
-
-    def write(*more: Any) -> Path:
-        with asammdf.MDF() as file:
-            for k, (name, unit) in enumerate(zip(COLUMNS, UNITS, strict=True)):
-                listed = {f"{name}\\ETKC:1": "display"}
-                file.append(asammdf.Signal(data[:, k + 1], data[:, 0], name=name, unit=unit, display_names=listed))
-            for signal in more:
-                file.append(signal)
-            file.save(path, overwrite=True)
-        return path
-
-    is_right(points.read(write()), 5, rel=0.01)
-    write(asammdf.Signal(1.3 * data[:, 2], data[:, 0], name="n_P", unit="rpm"))
+    own = [(data[:, k], data[:, 0], name, unit) for k, (name, unit) in enumerate(zip(COLUMNS, UNITS, strict=True), 1)]
+    mf4(path, [*own, (1.3 * data[:, 2], data[:, 0], "n_P", "rpm")])
     with pytest.raises(TableError, match="no column primary.speed") as error:
         points.read(path)
     first, second = (found.split("=") for found in re.findall('--map "([^"]*)"', str(error.value)))

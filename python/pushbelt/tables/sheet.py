@@ -80,8 +80,7 @@ def grouped(faults: Sequence[Fault]) -> list[str]:
 @dataclass(frozen=True)
 class Reading:
     decimal: str | None = None  # `point` or `comma`; None: determined from the file
-    renamed: Mapping[str, str] = field(default_factory=dict)
-    """Known name, possibly with a unit, by the title of the file."""
+    renamed: Mapping[str, str] = field(default_factory=dict)  # Known name, possibly with a unit, by the title of the file
     sheet: str | None = None  # Sheet of a spreadsheet
     encoding: str | None = None  # Of a text; None: UTF-8, what its first bytes say, or CP1252
     as_written: bool = False  # Whether values that are not plausible are taken as they are written
