@@ -497,14 +497,6 @@ def test_check_prints_what_is_understood_and_needs_no_fmu(tmp_path: Path, capsys
     assert "column n_P: no unit" in printed.err and "slip: slip, 0 values" in printed.out
 
 
-def test_the_program_says_what_is_wrong_in_a_line(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for path in (tmp_path / "none.csv", file(tmp_path, f"{HEADER},slip\n1,2000,50,10,x\n")):
-        for more in ([], ["--hold-out", "bench168"]):
-            assert __main__.main([str(path), "--fmu", str(fmu), "--output", str(tmp_path / "out"), *more]) == 1
-            error = capsys.readouterr().err
-            assert error.startswith("pushbelt calibrate: ") and error.count("\n") == 1 and str(path) in error
-
-
 def test_template_is_a_table(tmp_path: Path) -> None:
     path = tmp_path / "template.csv"
     assert __main__.main(["--fmu", "none.fmu", "--output", "nowhere", "--template", str(path)]) == 0
