@@ -144,11 +144,6 @@ def test_offset_leads_from_the_reference_curve_to_the_belt() -> None:
     assert set(np.round(offset, 9)) == {1e-4, 3e-4}
 
 
-def test_the_lowest_of_stacked_panels_has_the_x_label() -> None:
-    rows = [(title, [Series(title, [0.0, 1.0], [0.0, 1.0])], {}) for title in "ab"]
-    assert [panel.x_label for panel in charts.stack(rows, "time (s)")] == ["", "time (s)"]
-
-
 def slip() -> np.ndarray:
     """Slip over ratio × utilisation, %, NaN beyond the capacity."""
     table = np.tile(UTILISATION**3, (3, 1))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import reports
 
-from pushbelt import Variator, tables
+from pushbelt import Variator
 from pushbelt.durability import __main__
 from pushbelt.durability.damage import Damage, count_loop, damage
 from pushbelt.durability.table import AMPLITUDE, FIELD, MEAN, PULLEYS, DurabilityError, Table, read
@@ -117,19 +117,6 @@ def test_stress_along_the_ring_gives_the_damage_of_the_outputs(tmp_path: Path) -
     # Both: the outputs are used unless the profile is requested.
     both = write(tmp_path / "c.csv", columns | places)
     assert read(both).field is None and read(both, profile=True).field.shape == (101, 72)
-
-
-@pytest.mark.parametrize("profile", [False, True])
-def test_files_with_units_are_read_as_those_without(tmp_path: Path, profile: bool) -> None:
-    """The titles of the programs of this project, and stress in MPa."""
-    columns = run(amplitude=4e8, mean=5e8) | {f"{FIELD}[{k}]": np.full(101, value) for k, value in enumerate(loop(9e8, 8e8, -1e8), start=1)}
-    units = {name: {"time": "s", "ring.speed": "m/s", "distance": "m"}.get(name, "MPa") for name in columns}
-    factors = [1e-6 if unit == "MPa" else 1.0 for unit in units.values()]
-    tables.write(tmp_path / "units.csv", tables.titles(columns, units), np.column_stack([*columns.values()]) * factors, digits=12)
-    found, plain = read(tmp_path / "units.csv", profile=profile), read(write(tmp_path / "plain.csv", columns), profile=profile)
-    for name, column in plain.columns.items():
-        assert found[name] == pytest.approx(column, rel=1e-9), name
-    assert found.field == (pytest.approx(plain.field, rel=1e-9) if profile else None)
 
 
 def test_more_clamping_costs_more_and_bending_stays(tmp_path: Path) -> None:
@@ -247,16 +234,11 @@ def test_bad_cells_are_refused_by_line_and_column(tmp_path: Path, line: int, col
         damage(read(changed(path, line, column, text)), material, BENCH)
 
 
-def test_missing_and_repeated_columns_are_named_in_one_error(tmp_path: Path) -> None:
+def test_missing_columns_are_named_in_one_error(tmp_path: Path) -> None:
     columns = run()
     del columns["ring.speed"], columns[MEAN.format("primary")]
     with pytest.raises(DurabilityError, match=r"ring\.speed .*m/s\), ring\.stressMean\.primary"):
         read(write(tmp_path / "a.csv", columns))
-    text = write(tmp_path / "b.csv", run()).read_text(encoding="utf-8")
-    for changed_text, named in ((text.replace("distance", "time", 1), "line 1, column time"), (text + "1,2\n", "line 103, column ")):
-        (tmp_path / "b.csv").write_text(changed_text, encoding="utf-8")
-        with pytest.raises(DurabilityError, match=named):
-            read(tmp_path / "b.csv")
 
 
 def test_kilometres_need_a_distance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

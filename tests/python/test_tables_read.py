@@ -43,14 +43,13 @@ MEASURED = [*TITLES[:2], TITLES[3], *TITLES[5:], "slip [%]", "efficiency [%]"]
 LONG = [[repr(float(columns()[t.split(" ")[0].replace("efficiency", "eta")][k])) for t in MEASURED] for k in range(len(ROWS))]
 """The table with slip and efficiency in place of the secondary speed and torque."""
 MISSPELLED = ("primery.torque [Nm]", "primary.torqe [Nm]", "secondary.clampForces [kN]", "ratio.geometrc", "efficency")
-UNKNOWN = ("T_oil", "humidity [%]", "belt noise [dB]", "p_line [bar]", "u", "axle torque sensor", "primary secondary speed [rpm]")
+UNKNOWN = ("T_oil", "humidity [%]", "belt noise [dB]", "p_line [bar]", "u", "axle torque sensor", "primary secondary speed [rpm]", "総変速比i", "油温T")
 HEADER = "ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN]"
 
 
-def numeral(value: float, decimal: str, thousands: str = "") -> str:
-    whole, _, part = f"{abs(value):.3f}".rstrip("0").rstrip(".").partition(".")
-    groups = [whole[max(k - 3, 0) : k] for k in range(len(whole), 0, -3)][::-1]
-    return ("-" if value < 0.0 else "") + thousands.join(groups) + (decimal + part if part else "")
+def numeral(value: float, decimal: str, thousands: str) -> str:
+    whole, _, part = f"{value:,.3f}".rstrip("0").partition(".")
+    return whole.replace(",", thousands) + (decimal + part if part else "")
 
 
 def rows_of(decimal: str = ".", thousands: str = "") -> list[list[str]]:
@@ -81,7 +80,7 @@ def file(tmp_path: Path, content: str | bytes, encoding: str = "utf-8") -> Path:
 
 def test_one_table_in_every_notation_gives_the_same_points(tmp_path: Path) -> None:
     """Encodings, separators, decimal and thousands signs, names, units and their place, ends of lines, quotes."""
-    encodings = ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252")
+    encodings = ("utf-8", "utf-8-sig", "utf-16", "cp1252")
     parts = (encodings, (";", "\t", ",", "|"), NUMBERS, NAMES, SPELLED, STYLES, ("\n", "\r\n", "\r"), (False, True))
     tried = 0
     for one in random.Random(52).sample(list(itertools.product(*map(tuple, parts))), 80):
@@ -114,7 +113,6 @@ HABITS = {
     "as many names with another separator": "; ".join(COLUMNS) + "\n" + joined([TITLES, *rows_of()], "\t"),
     "title over two lines": joined([['"primary.speed\n[rpm]"' if "n_P" in t else t for t in TITLES], *rows_of()]),
     "per cent in the cells": joined([[t.replace(" [%]", "") for t in MEASURED], *([*r[:5], r[5] + "%", r[6] + " %"] for r in LONG)]),
-    "per cent without a sign": joined([[*MEASURED[:5], "Schlupf", "Wirkungsgrad"], *LONG]),
     "shares": joined([[t.replace(" [%]", "") for t in MEASURED], *([*r[:5], *(repr(float(c) / 100) for c in r[5:])] for r in LONG)]),
     "typographic minus": joined([TITLES, *rows_of()]).replace("-", "\N{MINUS SIGN}"),
     "exponents with commas": joined([TITLES, *([f"{float(cell):.6e}".replace(".", ",") for cell in row] for row in rows_of())], "\t"),
@@ -135,11 +133,9 @@ HEADERS = {
     **{name: [titles.split(";")] for name, _, titles in (line.partition(": ") for line in HEADS)},
     "description, units": [COLUMNS, DESCRIPTIONS, UNITS],
     "description above": [DESCRIPTIONS, COLUMNS, UNITS],
-    "units, sensors": [COLUMNS, UNITS, ["calc", *["HBM"] * 6]],
     "channels, units": [COLUMNS, ["channel", *range(1, 7)], UNITS],
     "units above": [UNITS, COLUMNS],
     "letters of which three are units, units": [COLUMNS, ["calc", *"PSPSSP"], UNITS],
-    "units of three columns, words": [[*COLUMNS[:4], *TITLES[4:]], ["", *UNITS[1:4], *["HBM"] * 3]],
     "titles that span two rows": [["i_geo", *["Primary", "", "Secondary", ""], "F_S", "F_P"], ["", "n", "T", "n", "T", "", ""],
                                   ["-", "rpm", "Nm", "rpm", "Nm", "kN", "kN"]],
     "titles over two rows": [PULLEYS, DESCRIPTIONS, UNITS],
@@ -227,20 +223,14 @@ def test_a_title_is_known_whole_and_the_option_that_takes_it_is_printed(title: s
         is_right(points.read(path, Reading(renamed=options(str(error.value)))))
 
 
-def test_a_single_letter_in_a_foreign_title_is_no_name(tmp_path: Path) -> None:
-    rows = [[row[0], str(k), *row[1:]] for k, row in enumerate(rows_of())]
-    rig = points.read(file(tmp_path, joined([["総変速比i", "油温T", *TITLES[1:]], *rows], ";")))
-    assert rig.sheet.ignored == ["総変速比i", "油温T"] and len(rig.points) == 12 and rig.points[0].ratio is None
-
-
 def test_names_by_the_user(tmp_path: Path) -> None:
     titles = ["k", "Drehzahl", "Moment vorn", "Kraft hinten", "Kraft vorn", "slip [%]", "efficiency [%]"]
     path = file(tmp_path, joined([titles, *([repr(-float(c)) if k == 2 else c for k, c in enumerate(row)] for row in LONG)]))
     renamed = {
-        "k": "ratio.geometric", "Drehzahl": "primary.speed [rpm]", "-T_P [Nm]": "Moment vorn", "Kraft hinten": "F_S [kN]", "Kraft vorn": "F_P [kN]",
+        "k": "ratio.geometric", "Drehzahl": "primary.speed [rpm]", "Moment vorn": "-T_P [Nm]", "Kraft hinten": "F_S [kN]", "Kraft vorn": "F_P [kN]",
     }  # fmt: skip
     is_right(points.read(path, Reading(renamed=renamed)))
-    for wrong, named in ((renamed | {"Drehmoment": "primary.torque"}, "Drehmoment"), ({"k": "gear"}, "k nor gear")):
+    for wrong, named in ((renamed | {"Drehmoment": "primary.torque"}, "Drehmoment"), ({"k": "gear"}, "gear is not a known name")):
         with pytest.raises(TableError, match=named):
             points.read(path, Reading(renamed=wrong))
 
@@ -267,7 +257,7 @@ def test_a_ratio_is_that_of_the_speeds_or_inverse_if_its_title_or_the_user_says_
 )  # fmt: skip
 def test_the_whole_file_settles_the_decimal_sign(cells: list[str], separator: str, decimal: str | None) -> None:
     if decimal is None:
-        with pytest.raises(numerals.NumeralError, match=f"{cells[0]}.*--decimal"):
+        with pytest.raises(numerals.TextError, match=f"{cells[0]}.*--decimal"):
             numerals.settle(cells, separator)
     else:
         assert numerals.settle(cells, separator) == decimal
@@ -301,6 +291,7 @@ def test_a_cell_without_a_number_loses_its_row(cell: str, column: int, tmp_path:
         ("i_geo;n_P [rpm];T_P [Nm];F_S [kN];slip [%]\n1.25;2000;50;10;0,5\n1.5;2000;50;10;1\n", r"line 2, column slip \[%\]: '0,5'"),
         (f"{HEADER},slip\n1,2000,50,10,0.8\n", "line 2, column slip: 0.8"),
         (f"{HEADER},slip [%]\n\n1,2000,50,10000,1\n", r"line 3, column secondary.clampingForce .*: 10000 .* 0.1 to 500 kN; plausible is N \(--map"),
+        (joined([[*MEASURED[:5], "Wirkungsgrad"], *([*row[:5], row[6]] for row in LONG)]), r"plausible is % \(--map"),
         (f"{HEADER},efficiency [%]\n1,2000,50,10,104\n", r"line 2, column efficiency \[%\]: 104"),
         (f"{HEADER},slip,slip.sd\n1,2000,50,10,0.01,0\n", "line 2, column slip.sd: 0"),
         (f"{HEADER},slip\n1,,50,10,0.01\n", r"line 2, column primary.speed \[rpm\]"),
@@ -347,9 +338,8 @@ def test_a_unit_is_no_name_and_a_deviation_has_the_unit_of_its_column(tmp_path: 
     for rows in ([[*MEASURED[:5], "slip [rpm]"]], [[*MEASURED[:5], "slip"], ["-", "rpm", "Nm", "kN", "kN", "rpm"]]):
         with pytest.raises(TableError, match="the unit of slip is 1 or %, not rpm"):
             points.read(written(path, [*rows, *(row[:6] for row in LONG)], ";"))
-    for titles in (["slip.sd", *MEASURED], ["slip.sd", *MEASURED[:5], "slip", "efficiency"]):
-        rig = points.read(written(path, [titles, *(["0.08", *row] for row in LONG)], ";"))
-        assert all(point.measured[1].deviation == pytest.approx(8e-4) for point in rig.points)
+    rig = points.read(written(path, [["slip.sd", *MEASURED], *(["0.08", *row] for row in LONG)], ";"))
+    assert all(point.measured[1].deviation == pytest.approx(8e-4) for point in rig.points)
     rows = [["a", "b", "c", "d"], ["-", "rpm", "rpm", "kN"], *(row[:4] for row in LONG)]
     with pytest.raises(TableError, match="unknown are a, b, c, d"):
         points.read(written(path, rows, ";"))
@@ -363,17 +353,6 @@ def test_encodings_by_name(encoding: str, title: str, tmp_path: Path, capsys: py
     assert "12 thrustRatio" in capsys.readouterr().out
     with pytest.raises(TableError, match="unknown encoding"):
         points.read(path, Reading(encoding="latin1o"))
-
-
-@pytest.mark.parametrize("absent", ["n_P", "F_S", "T_P"])
-def test_a_missing_or_empty_column_is_one_line(absent: str, tmp_path: Path) -> None:
-    pairs = [pair for pair in zip(TITLES, COLUMNS, strict=True) if pair[1] != "T_S"]
-    empty = {title: [""] * 12 if name == absent else columns()[name] for title, name in pairs}
-    missing = {title: column for title, column in empty.items() if not title.startswith(absent)}
-    for some in (missing, empty):
-        with pytest.raises(TableError) as error:
-            points.read(table(tmp_path / "table.csv", some))
-        assert len(error.value.faults) == 1
 
 
 def test_all_faults_of_a_file_are_in_one_answer_at_once(tmp_path: Path) -> None:
@@ -433,13 +412,6 @@ def test_pressures_give_forces(tmp_path: Path) -> None:
         assert any("without the centrifugal force" in remark for remark in rig.sheet.remarks) == (oil is areas)
 
 
-def test_a_single_ratio_that_contradicts_the_speeds_is_a_fault(tmp_path: Path) -> None:
-    rows = [[2, 2000, 990, 40, 10], [4, 1500, 2380, 40, 10]]
-    with pytest.raises(TableError) as error:
-        points.read(written(tmp_path / "table.csv", [["i_geo", "n_P [rpm]", "n_S [rpm]", "T_P [Nm]", "F_S [kN]"], *rows]))
-    assert [(fault.line, fault.column) for fault in error.value.faults] == [(3, "i_geo")]
-
-
 def test_series_of_samples_are_recorded_shifts(tmp_path: Path) -> None:
     titles = ["series", "time [ms]", "n_P [rpm]", "T_P [Nm]", "F_P [kN]", "F_S [kN]", "ratio.geometric"]
     rows = [
@@ -462,7 +434,7 @@ def test_series_of_samples_are_recorded_shifts(tmp_path: Path) -> None:
 
 
 def test_spreadsheets_are_read(tmp_path: Path) -> None:
-    """Numbers, per cent formats, error values, formulas without values, a second sheet, text with decimal commas."""
+    """Numbers, per cent formats, error values, a second sheet, text with decimal commas."""
     book = pytest.importorskip("openpyxl").Workbook()
     book.active.append(["Rig 3", "made by hand"])
     sheet = book.create_sheet("Points")
@@ -474,14 +446,13 @@ def test_spreadsheets_are_read(tmp_path: Path) -> None:
             sheet.cell(line, column).number_format = "0.00%"
     sheet.cell(5, 2).value = LONG[1][1].replace(".", ",")
     sheet.append([*map(float, LONG[0][:6]), "#DIV/0!"])
-    sheet.append([*map(float, LONG[0][:6]), "=1.2*F2"])
     path = tmp_path / "table.xlsx"
     book.save(path)
     rig = points.read(path)
     is_right(rig)
     assert rig.sheet.source == "sheet Points"
     assert [point.line for point in rig.points] == list(range(4, 16))
-    assert [fault.line for fault in rig.sheet.left_out] == [16, 17] and "formula" in rig.sheet.left_out[1].text
+    assert [fault.line for fault in rig.sheet.left_out] == [16]
     with pytest.raises(TableError, match="Data; .* Sheet, Points"):
         points.read(path, Reading(sheet="Data"))
 
@@ -526,14 +497,6 @@ def test_check_prints_what_is_understood_and_needs_no_fmu(tmp_path: Path, capsys
     assert "column n_P: no unit" in printed.err and "slip: slip, 0 values" in printed.out
 
 
-def test_the_program_says_what_is_wrong_in_a_line(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for path in (tmp_path / "none.csv", file(tmp_path, f"{HEADER},slip\n1,2000,50,10,x\n")):
-        for more in ([], ["--hold-out", "bench168"]):
-            assert __main__.main([str(path), "--fmu", str(fmu), "--output", str(tmp_path / "out"), *more]) == 1
-            error = capsys.readouterr().err
-            assert error.startswith("pushbelt calibrate: ") and error.count("\n") == 1 and str(path) in error
-
-
 def test_template_is_a_table(tmp_path: Path) -> None:
     path = tmp_path / "template.csv"
     assert __main__.main(["--fmu", "none.fmu", "--output", "nowhere", "--template", str(path)]) == 0
@@ -551,7 +514,7 @@ def test_titles_are_read_as_they_are_written(name: str, unit: str) -> None:
 
 
 def test_numbers_of_programs_have_a_unit(tmp_path: Path) -> None:
-    """That of a variable without one is 1. No other module writes CSV but the maps, which have their units in a row of their own."""
+    """That of a variable without one is 1. No other module writes CSV but the maps, with units in a row of their own, and calls, which write a frame of the user."""
     assert tables.titles(["slip", "belt.speed"], {"slip": None, "belt.speed": "m/s"}) == ["slip [1]", "belt.speed [m/s]"]
     path = tmp_path / "table.csv"
     tables.write(path, ["case", "count", "slip [1]"], [("a", 1, 0.25), ("b", 2, float("nan"))], remark="made up")
@@ -566,4 +529,4 @@ def test_numbers_of_programs_have_a_unit(tmp_path: Path) -> None:
     package = Path(tables.__file__).parents[1]
     sources = {path.relative_to(package).as_posix(): path.read_text(encoding="utf-8") for path in package.rglob("*.py")}
     writers = {name for name, text in sources.items() if re.search(r"csv\.writer\(|DictWriter\(|\.to_csv\(|savetxt\(", text)}
-    assert writers == {"tables/__init__.py", "maps/files.py"}
+    assert writers == {"tables/__init__.py", "maps/files.py", "calls.py"}

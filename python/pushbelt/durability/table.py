@@ -40,12 +40,12 @@ COLUMNS: Mapping[str, Column] = {
     "primary.shaftTorque": Column("torque", -1e6, 1e6, "torque of the belt on the primary pulley", (), "N.m"),
     "primary.torque": Column("torque", -1e4, 1e4, "torque on the primary shaft", (), "N.m"),
     **{f"{p}.radius": Column("length", 0.001, 10.0, f"running radius on the {p} pulley", (), "m") for p in PULLEYS},
-    HOURS: Column("time", 0.0, 1e10, "time in the state of the row", ("duration", "Stunden", "Dauer", "heures", "durée"), "h"),
 }
-"""Columns that are read. Those without a unit are in SI units, and hours in h."""
+"""Columns of runs that are read. Those without a unit are in SI units."""
+LASTING = Column("time", 0.0, 1e10, "time in the state of the row", ("duration", "Stunden", "Dauer", "heures", "durée"), "h")
 POINT = ("ratio.geometric", "primary.torque", "primary.speed", "secondary.clampingForce")  # Columns of a working point
 RATIO = replace(CONDITIONS[POINT[0]], aliases=CONDITIONS[POINT[0]].aliases + CONDITIONS["ratio.speed"].aliases)
-OF_POINTS: Mapping[str, Column] = {**{name: CONDITIONS[name] for name in POINT}, POINT[0]: RATIO, HOURS: COLUMNS[HOURS]}
+OF_POINTS: Mapping[str, Column] = {**{name: CONDITIONS[name] for name in POINT}, POINT[0]: RATIO, HOURS: LASTING}
 """Columns of a collective of working points, with the names and units of a rig. A ratio of speeds counts as the geometric one."""
 Solve = Callable[[Mapping[str, Array]], dict[str, Array]]  # Outputs in the steady states at columns of working points
 
@@ -88,12 +88,13 @@ def read(path: Path, kilometres: bool = True, profile: bool = False, solve: Solv
     cycles, the stress along the ring is read. A collective without stress is one of working points, which `solve` solves. Raises DurabilityError
     for faults of the file, and OSError if the file cannot be read."""
     try:
-        sheet = sheets.read(path, COLUMNS, misspelled=False)
+        known = {**COLUMNS, HOURS: LASTING}
+        sheet = sheets.read(path, known, misspelled=False)
         field = [title for title in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", split(title)[0])]
         counted = profile or (bool(field) and not any(name in sheet.taken for name in STRESSES))
         places = [f"{FIELD}[{k}]" for k in range(1, len(field) + 1)] if counted else []
         if counted:
-            sheet = sheets.read(path, {**COLUMNS, **dict.fromkeys(places, STRESS)}, misspelled=False)
+            sheet = sheets.read(path, {**known, **dict.fromkeys(places, STRESS)}, misspelled=False)
         points = sheet if counted or sheet.taken.keys() & {"ring.speed", *STRESSES} else sheets.read(path, OF_POINTS, misspelled=False)
         solved = points is not sheet and HOURS in points.taken
         sheet = points if solved else sheet

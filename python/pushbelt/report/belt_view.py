@@ -72,7 +72,8 @@ def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], t
 def over_time(time: Array, columns: Mapping[str, Array], states: Mapping[float, BeltState], parameters: Mapping[str, float]) -> Motion:
     """States of a run by their times. Its columns have the speeds that turn pulleys and belt."""
     moments = np.array(sorted(states))
-    return motion(states, parameters, [integrated(time, columns[name], moments) for name in SPEEDS])
+    turned = [np.interp(moments, time, cumulative_trapezoid(columns[name], time, initial=0.0)) for name in SPEEDS]
+    return motion(states, parameters, turned)
 
 
 def of_run(run: Trace, profiles: Mapping[float, Profile], parameters: Mapping[str, float]) -> Motion:
@@ -86,11 +87,6 @@ def steady(state: BeltState, parameters: Mapping[str, float]) -> Motion:
     """A steady state, in which only the pulleys and the belt move."""
     ends = np.array([0.0, STEADY_TIME])
     return motion({0.0: state, STEADY_TIME: state}, parameters, [state[name] * ends for name in SPEEDS])
-
-
-def integrated(time: Array, values: Array, moments: Array) -> Array:
-    """Integral of a column (a speed) from the first time to each of some later times."""
-    return np.interp(moments, time, cumulative_trapezoid(values, time, initial=0.0))
 
 
 def magnification(size: float, shown: float) -> int:

@@ -99,7 +99,7 @@ QUANTITIES: Mapping[str, Quantity] = {
         ("belt slip", "slip ratio", "nu", "Schlupf", "Riemenschlupf", "glissement"), absolute=5e-4, relative=0.05,
     ),
     "efficiency": Quantity(
-        "ratio", 0.01, 1e3, "driven power/driving power, at most 1", ("eta", "eff", "Wirkungsgrad", "rendement"), absolute=3e-3
+        "ratio", 0.01, 10.0, "driven power/driving power, at most 1", ("eta", "eff", "Wirkungsgrad", "rendement"), absolute=3e-3
     ),
     "di/dt": Quantity("rate", -100.0, 100.0, "shift rate, i = ratio.geometric", ("didt",), absolute=0.01, relative=0.05),
     "ds/dt": Quantity("rate", -100.0, 100.0, "shift rate, s = 1/ratio.geometric", ("dsdt",), absolute=0.01, relative=0.05),

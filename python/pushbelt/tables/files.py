@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..errors import PushbeltError
 from .names import Names
-from .numerals import MISSING, Percent
+from .numerals import MISSING, Percent, TextError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,16 +24,9 @@ if TYPE_CHECKING:
 SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
 """Signs between columns, in the order of preference."""
 LARGEST = 1_000_000_000  # Largest file, bytes
-LEAST_NAMES = 3  # Number of known columns from which a sheet is a table beside another one with the same
+LEAST_NAMES = 3  # Number of known columns from which a remark is a header, and a sheet a table beside another one with the same
 WANTED = "export it as CSV, .xlsx, Parquet or MDF"
 HEAD = 60  # Rows in which the header is searched
-MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32",
-         codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}  # fmt: skip
-"""Encodings by the bytes with which files start; those of UTF-32 start with those of UTF-16."""
-
-
-class TextError(PushbeltError, ValueError):
-    """The file is not a table. The message contains the reason."""
 
 
 class Cells(NamedTuple):
@@ -81,16 +73,13 @@ def read(path: Path, names: Names, sheet: str | None = None, encoding: str | Non
 
 
 def _decoded(data: bytes, encoding: str | None = None) -> tuple[str, str]:
-    encoding = encoding or next((name for mark, name in MARKS.items() if data.startswith(mark)), None)
-    if encoding is None and data[:4000].count(0):
-        # UTF-16 without a mark: the zeros of Latin text are at odd places if the low byte comes first.
-        even, odd = data[0:4000:2].count(0), data[1:4000:2].count(0)
-        if max(even, odd) < len(data[:4000]) // 8 or min(even, odd) > max(even, odd) // 8:
-            raise TextError(f"the file is not a table: it has bytes that no text has; {WANTED}")
-        encoding = "utf-16-le" if odd > even else "utf-16-be"
-    for candidate in [encoding] if encoding else ["utf-8", "cp1252", "latin-1"]:
+    if encoding is None and data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        encoding = "utf-16"
+    if encoding is None and 0 in data[:4000]:
+        raise TextError(f"the file is not a table: it has bytes that no text has; {WANTED}")
+    for candidate in [encoding] if encoding else ["utf-8-sig", "cp1252", "latin-1"]:
         try:
-            return data.decode(candidate).lstrip("\N{ZERO WIDTH NO-BREAK SPACE}"), candidate.removesuffix("-sig")
+            return data.decode(candidate), candidate.removesuffix("-sig")
         except (UnicodeDecodeError, LookupError) as error:
             reason = error
     raise TextError(f"the file is not text in {encoding}: {reason}")
@@ -102,13 +91,14 @@ def _text(data: bytes, names: Names, known: str | None) -> Cells:
     text, encoding = _decoded(data, known)
     guessed = encoding in ("cp1252", "latin-1") and known is None
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    declared = re.fullmatch(r'\s*"?sep=(.)"?[\s;,\t]*', lines[0], re.IGNORECASE)
-    lines = _with_header([*[""] * bool(declared), *lines[bool(declared) :]], names)
+    # A spreadsheet may declare the separator.
+    lines[0] = re.sub(r'^\s*"?sep=."?[\s;,\t]*$', "", lines[0], flags=re.IGNORECASE)
+    lines = _with_header(lines, names)
     shown = [line for line in lines if line.strip(' ,;|\t"')]
     if not shown:
         raise TextError("the table is empty")
-    separator = declared[1] if declared else _separator(shown[:HEAD], names)
-    name = f"{encoding.upper()}, {SEPARATORS.get(separator, repr(separator))} between columns"
+    separator = _separator(shown[:HEAD], names)
+    name = f"{encoding.upper()}, {SEPARATORS[separator]} between columns"
     if separator == "  ":
         lines, separator = ["\x1f".join(_split(line, "  ")) if line.strip() else "" for line in lines], "\x1f"
     # The C parser of pandas takes the number of columns from here.
@@ -137,24 +127,17 @@ def is_remark(line: str) -> bool:
     return start.startswith("#") and not any(word.startswith("#") and start.startswith(word) for word in MISSING)
 
 
-def _with_header(lines: list[str], names: Names) -> list[str]:
-    """The lines with remarks emptied. A remark with known names above rows of numbers is the header."""
+def _with_header(lines: Sequence[str], names: Names) -> list[str]:
+    """The lines with remarks emptied. Above a row without names, the remark with most known names is the header."""
 
     def most(line: str) -> float:
         return max(names.count(_split(line, separator)) for separator in SEPARATORS)
 
-    found, has_header = list(lines), None
-    for place, line in enumerate(lines):
-        if not is_remark(line):
-            continue
-        if has_header is None:
-            has_header = most(next((other for other in lines if other.strip() and not is_remark(other)), "")) >= 2
-        start = line.lstrip()
-        bare = line.replace("#", "", 1) if start.startswith('"#') else start.lstrip('"#').strip()
-        best = 0.0 if has_header else most(bare)
-        # A first cell `#` is an index column.
-        indexed = re.match(r'\s*"?#"?\s*[;,|\t]', line) and most(line) == best
-        found[place] = "" if best < 3 else line if indexed else bare
+    remarks = {place: re.sub(r'^\s*("?)#[# ]*', r"\1", line) for place, line in enumerate(lines) if is_remark(line)}
+    found = ["" if place in remarks else line for place, line in enumerate(lines)]
+    if remarks and most(next(filter(str.strip, found), "")) < 2:
+        best = max(remarks, key=lambda place: most(remarks[place]))
+        found[best] = remarks[best] if most(remarks[best]) >= LEAST_NAMES else ""
     return found
 
 
@@ -182,51 +165,46 @@ def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
     with _reader("an .xlsx", "openpyxl", "excel"):
         import openpyxl
 
-        # Only the file of formulas says that an empty cell has one.
-        values, formulas = (openpyxl.load_workbook(io.BytesIO(data), data_only=only) for only in (True, False))
-    if wanted is not None and wanted not in values.sheetnames:
-        raise TextError(f"there is no sheet {wanted}; there are {', '.join(values.sheetnames)}")
-    sheets = [sheet for sheet in values.worksheets if wanted in (None, sheet.title)]
+        book = openpyxl.load_workbook(io.BytesIO(data), data_only=True)
+    if wanted is not None and wanted not in book.sheetnames:
+        raise TextError(f"there is no sheet {wanted}; there are {', '.join(book.sheetnames)}")
+    sheets = [sheet for sheet in book.worksheets if wanted in (None, sheet.title)]
     hidden = [sheet.title for sheet in sheets if sheet.sheet_state != "visible" and wanted is None]
-    found = {sheet.title: cells for sheet in sheets if len((cells := _sheet(sheet, formulas[sheet.title])).frame)}
+    found = {sheet.title: cells for sheet in sheets if len((cells := _sheet(sheet)).frame)}
     shown = [name for name in found if name not in hidden]
     if not shown:
         raise TextError(f"all tables are in hidden sheets: --sheet reads one of {', '.join(hidden)}" if found else "the table is empty")
-    own = {name: {split[0][0] for row in found[name].head() for cell in row if (split := names.split(cell))} for name in shown}
-    best = max(shown, key=lambda name: max(map(names.count, found[name].head())))
-    same = [name for name in shown if len(own[name]) >= LEAST_NAMES and (own[name] <= own[best] or own[name] >= own[best])]
+    counts = {name: max(map(names.count, found[name].head())) for name in shown}
+    best = max(counts, key=lambda name: counts[name])
+    same = [name for name, count in counts.items() if count == counts[best] >= LEAST_NAMES]
     if len(same) > 1:
         raise TextError(f"the sheets {', '.join(same)} have the same columns: --sheet says which one is read")
     others = [f"sheet {name} is {'hidden and ' * (name in hidden)}not read" for name in found if name != best]
     return found[best]._replace(remarks=(*others, *found[best].remarks))
 
 
-def _sheet(values: Any, formulas: Any) -> Cells:
+def _sheet(sheet: Any) -> Cells:
     """The cells of a sheet. Empty rows and remarks are left out, and rows of numbers that are hidden or struck out, which are named."""
     import pandas as pd
 
-    frame = pd.DataFrame([[*map(_cell, *pair)] for pair in zip(values.iter_rows(), formulas.iter_rows(), strict=False)], dtype=object)
+    frame = pd.DataFrame([[*map(_cell, row)] for row in sheet.iter_rows()], dtype=object)
     texts = [[str(cell) for cell in row if str(cell) != ""] for row in frame.itertuples(index=False)]
     keep, unseen = [], {"hidden": [], "struck out": []}  # type: ignore[var-annotated]
-    for line, (row, cells) in enumerate(zip(texts, values.iter_rows(), strict=True)):
+    for line, (row, cells) in enumerate(zip(texts, sheet.iter_rows(), strict=True)):
         numbers = [cell for cell in cells if isinstance(cell.value, (int, float))]
-        if numbers and values.row_dimensions[line + 1].hidden:
+        if numbers and sheet.row_dimensions[line + 1].hidden:
             unseen["hidden"].append(line + 1)
         elif any(cell.font is not None and cell.font.strike for cell in numbers):
             unseen["struck out"].append(line + 1)
         elif row and (len(row) > 3 or not is_remark(row[0])):
             keep.append(line)
     remarks = [f"{len(rows)} rows are {why} and not read: {', '.join(map(str, rows[:HEAD]))}" for why, rows in unseen.items() if rows]
-    columns = [name for name, one in values.column_dimensions.items() if one.hidden]
-    remarks += [f"hidden columns are read: from {', '.join(columns)}"] * bool(columns)
-    return Cells(frame.set_axis(frame.index + 1).iloc[keep], f"sheet {values.title}", remarks=tuple(remarks))
+    return Cells(frame.set_axis(frame.index + 1).iloc[keep], f"sheet {sheet.title}", remarks=tuple(remarks))
 
 
-def _cell(cell: Any, formula: Any) -> str | float:
-    """A number, or any other value as text; `=` for a formula that no spreadsheet program has calculated."""
-    value = cell.value
-    if value is None:
-        return "=" if formula.data_type == "f" else ""
+def _cell(cell: Any) -> str | float:
+    """A number, or any other value as text."""
+    value = "" if cell.value is None else cell.value
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return " ".join(str(value).split())
     return Percent(100.0 * value) if "%" in str(cell.number_format) else value
@@ -256,16 +234,11 @@ def _mf4(data: bytes, names: Names) -> Cells:
         from asammdf import MDF
 
         with MDF(io.BytesIO(data)) as file:
-            # A channel may be listed under several names, and several channels under one.
-            listed: dict[tuple[int, int], str] = {}
-            for name, places in sorted(file.channels_db.items(), key=lambda item: len(item[0])):
-                for group, index in places:
-                    if file.masters_db.get(group) != index:
-                        listed.setdefault((group, index), name.split("\\")[0])
-            for (group, index), name in sorted(listed.items()):
+            listed = {(group, k): one.name.split("\\")[0] for group, own in enumerate(file.groups) for k, one in enumerate(own.channels)}  # type: ignore[attr-defined]
+            for (group, index), name in listed.items():
                 double = list(listed.values()).count(name) > 1
                 title = f"{name} group {group} channel {index}" if double else name
-                if not names.count([title]):
+                if file.masters_db.get(group) == index or not names.count([title]):
                     continue
                 signal = file.get(group=group, index=index)
                 if np.issubdtype(signal.samples.dtype, np.number) and signal.samples.ndim == 1:

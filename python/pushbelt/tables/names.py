@@ -17,11 +17,7 @@ from . import units
 
 DEVIATION = ".sd"  # Suffix of a column of standard deviations
 CLOSE = 0.82  # Similarity above which an unknown name is taken for a misspelled one
-LETTERS = str.maketrans({
-    "ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "₁": "1", "₂": "2", "ₚ": "p", "ₛ": "s",
-    "é": "e", "è": "e", "ê": "e", "à": "a",
-})  # fmt: skip
-WIDE = str.maketrans("（）［］｛｝", "()[]{}")
+LETTERS = str.maketrans({"ω": "omega", "η": "eta", "ζ": "zeta", "ν": "nu", "σ": "sigma", "é": "e", "è": "e", "ê": "e", "à": "a"})
 WORDS = {
     "side": {
         "primary": "primary primär primaer primäre primärer primäres pri prim input in drive driving antrieb antriebs an eingang eingangs "
@@ -58,7 +54,7 @@ def unquoted(title: str) -> str:
 @lru_cache(10_000)
 def key(name: str) -> str:
     """A name without case, blanks, points, hyphens and brackets. Any other letter or sign distinguishes it: `F_P*` is not `F_P`."""
-    name = unicodedata.normalize("NFC", unquoted(name)).strip().lower().translate(LETTERS)
+    name = unicodedata.normalize("NFKC", unquoted(name)).strip().lower().translate(LETTERS)
     name = re.sub(r"\b[dl]['’](?=\w)", "", name)  # Couple d'entrée
     return re.sub(r"[\s_.,:;^~$(){}\[\]\N{HYPHEN}-\N{EM DASH}-]", "", name)
 
@@ -186,7 +182,7 @@ def without_deviation(name: str) -> str | None:
 
 def splits(title: str) -> Iterator[tuple[str, str | None]]:
     """Possible pairs of name and unit of a title, the most explicit one first."""
-    title = unquoted(title.translate(WIDE))
+    title = unquoted(unicodedata.normalize("NFKC", title))
     bracketed = re.fullmatch(r"(.*?)[\s_,;:/-]*(?:\[([^\]]*)\]|\{([^}]*)\}|\(([^()]*(?:\([^()]*\))?[^()]*)\))\s*", title)
     if bracketed and bracketed[1]:
         yield bracketed[1], next(group for group in bracketed.groups()[1:] if group is not None)

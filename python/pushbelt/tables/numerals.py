@@ -37,8 +37,8 @@ class Percent(float):
         return f"{float(self):g}%"
 
 
-class NumeralError(PushbeltError, ValueError):
-    """The decimal sign cannot be determined. The message contains the reason."""
+class TextError(PushbeltError, ValueError):
+    """The file is not a table, or its decimal sign cannot be determined. The message contains the reason."""
 
 
 def _pattern(decimal: str) -> re.Pattern[str]:
@@ -48,7 +48,11 @@ def _pattern(decimal: str) -> re.Pattern[str]:
 
 
 PATTERNS = {name: _pattern(sign) for name, sign in SIGNS.items()}
-PLAIN = {name: rf"[+-]?\d+(?:{re.escape(sign)}\d*)?(?:[eE][+-]?\d+)?" for name, sign in SIGNS.items()}
+PLAIN = {
+    name: str.maketrans({**dict.fromkeys(GROUPS + other), "d": "e", "D": "e", sign: "."})
+    for (name, sign), other in zip(SIGNS.items(), ",.", strict=True)
+}
+"""Translation of the signs of a number to those of Python."""
 
 
 def cleaned(text: str) -> str:
@@ -66,29 +70,19 @@ def number(text: str, decimal: str) -> float | None:
     plain = cleaned(text)
     if not PATTERNS[decimal].fullmatch(plain):
         return None
-    other = next(sign for name, sign in SIGNS.items() if name != decimal)
-    plain = re.sub(rf"[{re.escape(GROUPS)}{other}]", "", plain).replace(",", ".")
-    value = float(re.sub("[dD]", "e", plain))
+    value = float(plain.translate(PLAIN[decimal]))
     return value if math.isfinite(value) else None
 
 
 def numbers(cells: pd.Series, decimal: str) -> np.ndarray:
     """The numbers of cells, of which a spreadsheet has some already; NaN for any other cell."""
-    import pandas as pd
-
-    found = np.full(len(cells), np.nan)
-    texts = cells.map(lambda cell: isinstance(cell, str)).to_numpy(dtype=bool)
-    found[~texts] = cells[~texts].astype(float)
-    # Most cells are plain numbers, which pandas converts faster.
-    plain = texts.copy()
-    plain[texts] = cells[texts].str.fullmatch(PLAIN[decimal]).to_numpy(dtype=bool)
-    found[plain] = pd.to_numeric(cells[plain].str.replace(SIGNS[decimal], ".", regex=False))
-    found[texts & ~plain] = [number(cell, decimal) for cell in cells[texts & ~plain]]
+    known = {cell: number(cell, decimal) if isinstance(cell, str) else cell for cell in cells.unique()}
+    found = cells.map(known).to_numpy(dtype=float)
     return np.where(np.isfinite(found), found, np.nan)
 
 
 def settle(cells: Iterable[str], separator: str = "", certainly: bool = False) -> str | None:
-    """The name of the decimal sign of a file from all its numbers. Raises NumeralError if both readings fit and differ. With
+    """The name of the decimal sign of a file from all its numbers. Raises TextError if both readings fit and differ. With
     `certainly` it is None, unless all cells with digits are numbers with exactly one sign. `separator` is the sign between
     columns: a file with commas between its columns has no decimal comma without quotes."""
     texts = dict.fromkeys(cleaned(text) for text in cells if text.strip() and not missing(text))
@@ -104,7 +98,7 @@ def settle(cells: Iterable[str], separator: str = "", certainly: bool = False) -
     if not differing or points < len(known) or (separator == "," and not any("," in text for text in known)):
         return "point"
     point, comma = known[differing[0]]
-    raise NumeralError(
+    raise TextError(
         f"'{differing[0]}' is {point:.10g} with a decimal point and {comma:.10g} with a decimal comma, and no number of the file settles it: "
         "specify --decimal point or --decimal comma"
     )

@@ -25,8 +25,7 @@ Values = Mapping[str, Array]
 USUAL = "bench168"
 """Parameter set for radii and capacity. Those of other variators for cars differ by less than the limits allow."""
 SLOWEST = 3.0  # Belt speed that the fastest point of a table has at least, m/s: about 500 rpm
-FASTEST = 40.0  # Median belt speed above which another unit of speed is likely, m/s
-UNCERTAIN = frozenset({"fast", "slip sign", "small slip", "thrust law"})
+UNCERTAIN = frozenset({"slip sign", "small slip", "thrust law"})
 """Doubts that count only if another reading removes them."""
 CARRIED = 1.5 * BEYOND  # Largest utilisation at the usual friction
 IDLE = 0.0012  # Largest utilisation of a table whose torques are in a wrong unit
@@ -38,10 +37,6 @@ EFFICIENCY = (0.3, 1.005)
 AGREE = 0.1  # Difference of the logarithms of a ratio and the speeds' ratio
 OFF = 0.3
 """Root mean square difference of the logarithms of measured and usual thrust ratios above which other readings are tried."""
-INVERTED = ("ratio.geometric", "ratio.speed", "thrustRatio")
-SIGNED = ("primary.torque", "slip")
-READ_AS = ("speed", "torque", "force", "pressure")  # Dimensions of which other units are tried
-PAIRS = ("speed", "torque", "clampingForce", "pressure")
 
 
 def check(sheet: Sheet, values: Values, rebuilt: Callable[[Sheet], Values], as_written: bool) -> list[str]:
@@ -56,7 +51,7 @@ def check(sheet: Sheet, values: Values, rebuilt: Callable[[Sheet], Values], as_w
         fault = f"not plausible: {'; '.join(texts)}. "
         fault += f"Plausible is: {', or '.join(map(str, others))}. " if others else "No other unit, sign or exchange of a column explains it. "
         raise TableError([Fault(fault + "--as-written takes the table as it is"), *sheet.faults], sheet.path, sheet)
-    return [f"warning: {text}" for text in (*texts, *_single_rows(p, sheet.lines))]
+    return [f"warning: {text}" for text in texts]
 
 
 @cache
@@ -117,8 +112,6 @@ def doubts(p: _Points) -> dict[str, str]:
     speeds = p.belt_speed[np.isfinite(p.belt_speed)]
     if speeds.size and (speeds.max() < SLOWEST or np.median(speeds) > BELT_SPEED):
         found["speed"] = f"belt speeds of {_extent(speeds)} m/s; usual are {SLOWEST:g} to {BELT_SPEED:g} m/s"
-    elif speeds.size and np.median(speeds) > FASTEST:
-        found["fast"] = f"belt speeds of {_extent(speeds)} m/s"
     used = np.abs(p.used[np.isfinite(p.used) & (p.torque != 0.0)])
     if used.size and np.median(used) > CARRIED:
         found["capacity"] = f"torques of {_extent(used)} times the capacity of the clamping forces"
@@ -153,18 +146,6 @@ def doubts(p: _Points) -> dict[str, str]:
     return found
 
 
-def _single_rows(p: _Points, lines: Array) -> Iterator[str]:
-    """What no variator has in single lines."""
-    for text, bad in (
-        (f"the belt speed is above {BELT_SPEED:g} m/s", p.belt_speed > BELT_SPEED),
-        (f"the torque is above {CARRIED:.3g} times the capacity of the clamping force", np.abs(p.used) > CARRIED),
-        (f"the thrust ratio is not within {THRUST[0]:g} to {THRUST[1]:g}", _outside(p.thrust, THRUST)),
-        (f"the slip is above {100.0 * SLIP:g} %", np.abs(p.slip) > SLIP),
-    ):
-        if bad.any():
-            yield f"{text}: line {', '.join(map(str, lines[bad][:10]))}{' …' * int(bad.sum() > 10)}"
-
-
 # Other readings
 
 
@@ -190,7 +171,8 @@ class Other(NamedTuple):
 
 def _others(sheet: Sheet, found: Mapping[str, str]) -> Iterator[Other]:
     there = {name: one for name, one in sheet.taken.items() if name in sheet.values}
-    for names, prefix, text in ((INVERTED, "1/", ", if it is the inverse of {}"), (SIGNED, "-", " with the other sign")):
+    inverted, signed = ("ratio.geometric", "ratio.speed", "thrustRatio"), ("primary.torque", "slip")
+    for names, prefix, text in ((inverted, "1/", ", if it is the inverse of {}"), (signed, "-", " with the other sign")):
         for name in (name for name in names if name in there):
             one = there[name]
             yield Other(one.title + text.format(name), {name: replace(one, turned="" if one.turned == prefix else prefix)})
@@ -200,14 +182,14 @@ def _others(sheet: Sheet, found: Mapping[str, str]) -> Iterator[Other]:
     # Other units of all columns of a quantity that have the same one, or of one of them.
     groups: dict[tuple[str, str], list[Taken]] = {}
     for name, one in there.items():
-        if (one.column.dimension in READ_AS or name in ("slip", "efficiency")) and not one.turned:
+        if (one.column.dimension in ("speed", "torque", "force", "pressure") or name in ("slip", "efficiency")) and not one.turned:
             groups.setdefault((name if one.column.dimension == "ratio" else one.column.dimension, one.unit), []).append(one)
     for some in (some for own in groups.values() for some in [own, *([one] for one in own if len(own) > 1)]):
         dimension, titles = some[0].column.dimension, " and ".join(one.title for one in some)
         for unit in units.confused(dimension):
             if (other := units.find(unit, dimension)) not in (None, some[0].scale):
                 yield Other(f"{titles} in {unit}", {one.name: replace(one, unit=unit, scale=other) for one in some}, unit=True)
-    pairs = [quantity for quantity in PAIRS if {f"primary.{quantity}", f"secondary.{quantity}"} <= there.keys()]
+    pairs = [quantity for quantity in ("speed", "torque", "clampingForce", "pressure") if {f"primary.{quantity}", f"secondary.{quantity}"} <= there.keys()]
     for quantities in [*([quantity] for quantity in pairs), *[["speed", "torque"]] * ({"speed", "torque"} <= set(pairs))]:
         sides = [(f"{one}.{q}", f"{other}.{q}") for q in quantities for one, other in (("primary", "secondary"), ("secondary", "primary"))]
         titles = " and ".join(there[name].title for name, _ in sides)
@@ -218,8 +200,8 @@ def _better(sheet: Sheet, rebuilt: Callable[[Sheet], Values], now: _Points, foun
     """The readings that remove most doubts and add none."""
     better: list[tuple[int, Other]] = []
     for other in _others(sheet, found):
-        # The law is too rough to tell units, and a fast belt can only have another unit.
-        if set(found) != ({"thrust law"} if other.unit else {"fast"}):
+        # The law is too rough to tell units.
+        if not other.unit or set(found) != {"thrust law"}:
             new = _Points(rebuilt(other.changed(sheet)), len(sheet))
             left = doubts(new)
             if set(left) < set(found) and new.thrust_off() <= max(1.2 * now.thrust_off(), OFF):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -12,29 +12,11 @@ import numpy as np
 from ..fmu.closing import closing_force, sheave_position
 from . import plausible, series, units
 from . import sheet as sheets
-from .columns import (
-    COLUMNS,
-    CONDITIONS,
-    HIGHEST,
-    MEASURED,
-    NAME,
-    PARTS,
-    POWER,
-    QUANTITIES,
-    RECORDED,
-    REQUIRED,
-    SAMPLED,
-    SERIES,
-    SHIFTS,
-    STEP,
-    SURE,
-    TIME,
-)  # fmt: skip
-from .names import DEVIATION, Column, same
-from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, Taken, grouped, of_the_column
+from .columns import COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, SURE, TIME
+from .names import DEVIATION, same
+from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped
 
 Array = np.ndarray
-AGREE = 0.05  # Relative difference below which a geometric ratio and n_P/n_S are the same ratio
 
 
 @dataclass(frozen=True)
@@ -104,15 +86,7 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
     if SERIES not in sheet.taken and not sheet.faults:
-        # Unknown channels are averaged with the others.
-        unknown = {title: cells for title, cells in sheet.others.items() if cells.dtype != object}
-        plain = Column("other", -math.inf, math.inf, "unknown")
-        known, own = sheet.taken, {title: Taken(title, title, "", 0, units.Unit(1.0), plain) for title in unknown}
-        sheet = replace(sheet, values={**sheet.values, **unknown}, taken={**known, **own})
         sheet = series.averaged(sheet, TIME, STEP, tuple(CONDITIONS), NAME, reading.as_written)
-        averaged = {title: sheet.values.pop(title) for title in unknown}
-        others = {title: cells for title, cells in {**sheet.others, **averaged}.items() if len(cells) == len(sheet)}
-        sheet = replace(sheet, taken=known, others=others)
     _add_accuracy(sheet, reading.accuracy)
     points = _Points(sheet, parameters)
     rig = points.rig()
@@ -138,7 +112,6 @@ class _Points:
         """`highest` is the largest efficiency, apart from its deviation."""
         self.sheet, self.parameters, self.highest = sheet, parameters, highest
         self.values: dict[str, Array] = dict(sheet.values)
-        self.lost: set[int] = set()  # Rows that are left out because of a computed value
         self.recorded = SERIES in sheet.taken and TIME in sheet.taken
         for pulley, other in (("secondary", "primary"), ("primary", "secondary")):
             if self._has(f"{pulley}.pressure") and not self._has(f"{pulley}.clampingForce"):
@@ -213,50 +186,22 @@ class _Points:
         if known.get(f"{pulley}.cylinder.springStiffness", 0.0):
             place = np.array([sheave_position(known, pulley, ratio) for ratio in self._get("ratio.geometric", turns)])
         found = closing_force({**known, force: 0.0, pressure: self.values[pressure]}, pulley, place, speed)
-        self.values[force] = found
+        limits = CONDITIONS[force]
+        self.values[force] = np.where((found >= limits.low) & (found <= limits.high), found, np.nan)
         if (own := self.values.get(pressure + DEVIATION)) is not None:
             self.values.setdefault(force + DEVIATION, known[f"{pulley}.cylinder.area"] * own)
-        low, high = CONDITIONS[force].low, CONDITIONS[force].high
-        limits = f"not within {low:g} to {high:g} N"
-        self._drop(force, (found < low) | (found > high), lambda value: f"the force is {value:.4g} N, {limits}", pressure)
         self.sheet.remarks.append(f"{force} is the force of {pulley}.cylinder at {self.sheet.title(pressure)}")
         if not centrifugal:
             self.sheet.remarks.append(f"warning: {force} is without the centrifugal force of the oil; {pulley}.cylinder.centrifugal adds it")
 
     def _ratios(self) -> None:
-        """The speed ratio from both speeds; agreement of the ratios with each other; the slip from both ratios."""
-        if self._has("primary.speed", "secondary.speed"):
-            found = self.values["primary.speed"] / self.values["secondary.speed"]
-            if self._has("ratio.speed"):
-                self._compare("ratio.speed", found, AGREE)
-            else:
-                self.values["ratio.speed"] = found
-                self.sheet.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
-        if self._has("ratio.geometric", "ratio.speed"):
-            self._compare("ratio.geometric", self.values["ratio.speed"], 0.5)
-            if not self.recorded and not self._has("slip"):
-                self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
-                self.sheet.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
-
-    def _compare(self, name: str, speed_ratio: Array, tolerance: float) -> None:
-        """Faults of rows whose ratio contradicts the speeds, unless most do: then the table is checked as a whole."""
-        values = self.values[name]
-        # The ratio 1 distinguishes nothing.
-        there = np.isfinite(values) & np.isfinite(speed_ratio) & (np.abs(np.log(speed_ratio)) > 2 * AGREE)
-        off = np.abs(values / speed_ratio - 1.0)
-        if there.any() and (off[there] > 2 * AGREE).mean() <= MOST:
-            for row in np.flatnonzero(there & (off > tolerance)).tolist():
-                self._fault(f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}", row, name)
-
-    def _drop(self, name: str, bad: Array, why: Callable[[float], str], source: str) -> None:
-        """Rows with a bad value of a column that is computed from another one: left out, or a fault of the column if most are bad."""
-        column, rows = self.values[name], np.flatnonzero(bad).tolist()
-        faults = [self._place(why(column[row]), row, source) for row in rows]
-        if len(faults) > MOST * np.isfinite(column).sum():
-            self.sheet.faults += of_the_column(faults, 0)
-        else:
-            self.sheet.left_out += faults
-            self.lost.update(rows)
+        """The speed ratio from both speeds, and the slip from both ratios."""
+        if self._has("primary.speed", "secondary.speed") and not self._has("ratio.speed"):
+            self.values["ratio.speed"] = self.values["primary.speed"] / self.values["secondary.speed"]
+            self.sheet.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
+        if self._has("ratio.geometric", "ratio.speed") and not self.recorded and not self._has("slip"):
+            self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
+            self.sheet.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
 
     def _efficiency(self) -> None:
         """The efficiency of the driving direction, as it is given or from speeds and torques."""
@@ -271,7 +216,8 @@ class _Points:
             self.values["efficiency"] = self.values[POWER] = found = np.where(turned, 1.0 / found, found)
             factor = self.sheet.taken["efficiency"].scale.factor
             text = f"is not within {0.01 / factor:g} to {HIGHEST / factor:g} and its deviation, unless the primary torque has the other sign"
-            self._drop("efficiency", found > limit - HIGHEST + self.highest, lambda value: f"{value / factor:g} {text}", "efficiency")
+            for row in np.flatnonzero(found > limit - HIGHEST + self.highest).tolist():
+                self._leave_out(f"{found[row] / factor:g} {text}", row, "efficiency")
             return
         turns = self._get("ratio.speed", self._get("ratio.geometric") / (1.0 - self._get("slip")))
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -291,7 +237,8 @@ class _Points:
     # Steady points
 
     def _steady(self) -> list[Point]:
-        rows = [row for row in range(len(self.sheet)) if row not in self.lost]
+        lost = {fault.line for fault in self.sheet.left_out}
+        rows = [row for row, line in enumerate(self.sheet.lines.tolist()) if line not in lost]
         before = len(self.sheet.left_out) + len(self.sheet.faults)
         points = [point for row in rows if (point := self._point(row)) is not None]
         if empty := len(rows) - len(points) - (len(self.sheet.left_out) + len(self.sheet.faults) - before):

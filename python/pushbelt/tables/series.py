@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from .names import DEVIATION
-from .sheet import SHOWN, Fault, Sheet
+from .sheet import Fault, Sheet
 
 Array = np.ndarray
 
@@ -17,12 +17,11 @@ RASTER = 2.0  # s
 HALF, SAMPLES = 0.25, 3
 """The means of two adjacent windows are compared: their length in seconds, and their least number of samples. A plateau is at least three
 windows long; its first and last one are not averaged, since the rig settles there."""
-WITHOUT_TIME = 25, SAMPLES  # Samples of a window if the table has no times; the second if the first gives too few plateaus
-BACK = 0.1  # Largest share of times that are before those of the row above, in a column of times
+WITHOUT_TIME = 25  # Samples of a window if the table has no times
 NEAR = 0.1  # Rows that agree differ by at most this share of a channel's range
 NOISE = 5.0  # A change above this multiple of the usual scatter of the differences ends a plateau …
 LEAST, LARGEST = 0.003, 0.02  # … but not one below the first share of the channel's level, and any above the second
-SPIKE = 8.0  # A sample that is further from the plateau's median, in standard deviations, is not averaged
+SPIKE = 12.0  # A sample that is further from the plateau's median, in medians of these distances, is not averaged: 8 standard deviations
 
 
 def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str, as_points: bool = False) -> Sheet:
@@ -34,32 +33,32 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     channels = {channel: sheet.values[channel] for channel in names if channel in sheet.values}
     texts = sheet.texts.get(step, np.empty(0))
     labels = np.cumsum(np.append(False, texts[1:] != texts[:-1])) if len(texts) else None  # Numbers that change where the step does
-    times, remark = _clock(sheet.values.get(time), sheet.lines, channels.values())
-    timed = times is not None
-    times = np.arange(len(sheet), dtype=float) if times is None else times
+    times = sheet.values.get(time, np.full(len(sheet), np.nan))
+    timed = _ascend(times, channels.values())
+    remark = ["the times do not ascend: the rows are taken as equally apart"] * (not timed and bool(np.isfinite(times).any()))
+    times = times if timed else np.arange(len(sheet), dtype=float)
     good = np.isfinite(times)
     steps = [np.diff(times[good & np.isfinite(values)]) for values in channels.values()]
     raster = min((float(np.median(own)) for own in steps if len(own)), default=0.0)
-    together = _together(channels.values())
+    together = _together(len(sheet), channels.values())
     # Different points may have a step in common, too.
     inside = np.zeros(1, dtype=bool) if labels is None or labels[-1] == 0 else together[np.diff(labels) == 0]
     stepped = bool(inside.size) and inside.mean() > 0.5
-    recorded = timed and raster <= RASTER and len(sheet) >= MANY and _smooth(channels.values())
+    recorded = timed and raster <= RASTER and len(sheet) >= MANY
     if raster <= 0.0 or not (stepped or recorded or (together.mean() > 0.5 and (timed or not as_points))):
         return sheet
     sheet.remarks += remark
-    for half in (max(SAMPLES, round(HALF / raster)),) if timed else WITHOUT_TIME:
-        # A pause of the recording has the length of two windows.
-        apart = np.maximum(np.diff(times[good], prepend=times[good][0]) - 2 * half * raster, 0.0)
-        own_times = times.copy()
-        own_times[good] -= np.cumsum(apart)
-        grid = np.arange(own_times[good][0], own_times[good][-1] + 0.5 * raster, raster)
-        own = {channel: good & np.isfinite(values) for channel, values in channels.items()}
-        raw = pd.DataFrame({c: np.interp(grid, own_times[there], channels[c][there]) for c, there in own.items() if there.any()})
-        # Without spikes of one or two samples.
-        found = _plateaus(raw.rolling(5, center=True, min_periods=1).median().to_numpy(), raw.to_numpy(), half)
-        if enough := sum(end - start + 2 * half for start, end in found) > 0.5 * len(grid):
-            break
+    half = max(SAMPLES, round(HALF / raster)) if timed else WITHOUT_TIME
+    # A pause of the recording has the length of two windows.
+    apart = np.maximum(np.diff(times[good], prepend=times[good][0]) - 2 * half * raster, 0.0)
+    own_times = times.copy()
+    own_times[good] -= np.cumsum(apart)
+    grid = np.arange(own_times[good][0], own_times[good][-1] + 0.5 * raster, raster)
+    own = {channel: good & np.isfinite(values) for channel, values in channels.items()}
+    raw = pd.DataFrame({c: np.interp(grid, own_times[there], channels[c][there]) for c, there in own.items() if there.any()})
+    # Without spikes of one or two samples.
+    found = _plateaus(raw.rolling(5, center=True, min_periods=1).median().to_numpy(), raw.to_numpy(), half)
+    enough = sum(end - start + 2 * half for start, end in found) > 0.5 * len(grid)
     if not enough and (stepped or not (timed and len(sheet) >= MANY)):
         # Rows of a step, or that agree with the one above, in place of windows.
         runs = np.flatnonzero(np.diff(labels) if stepped and labels is not None else ~together) + 1
@@ -84,41 +83,24 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     return reduced
 
 
-def _clock(times: Array | None, lines: Array, channels: Iterable[Array]) -> tuple[Array | None, list[str]]:
-    """Times that ascend, and a remark where they did not; None if they are no clock of the rows."""
-    if times is None or (good := np.isfinite(times)).sum() < 2:
-        return None, []
-    steps = np.diff(times[good])
-    back = steps < 0.0
-    rasters = [np.diff(times[good & np.isfinite(own)]) for own in channels]
-    usual = max((float(np.median(raster)) for raster in rasters if len(raster)), default=0.0)
-    if usual <= 0.0 or back.mean() > BACK:
-        return None, ["the times do not ascend: the rows are taken as equally apart"]
-    found = times.copy()
-    found[good] = times[good][0] + np.cumsum(np.append(0.0, np.where(back, usual, steps)))
-    where = ", ".join(map(str, lines[good][1:][back][:SHOWN]))
-    return found, [f"the time goes back at line {where}: the clock is taken to go on"] * bool(back.any())
+def _ascend(times: Array, channels: Iterable[Array]) -> bool:
+    """Whether times ascend between the samples of a channel, and never go back."""
+    good = np.isfinite(times)
+    rasters = [np.median(steps) for own in channels if len(steps := np.diff(times[good & np.isfinite(own)]))]
+    return bool(max(rasters, default=0.0) > 0.0 and (np.diff(times[good]) >= 0.0).all())
 
 
-def _together(channels: Iterable[Array]) -> Array:
-    """Whether each row agrees in all channels with the one above within the scatter of the second differences."""
-    found: Array | None = None
+def _together(count: int, channels: Iterable[Array]) -> Array:
+    """Whether each of the rows agrees in all channels with the one above within the scatter of the second differences."""
+    found = np.ones(max(count - 1, 1), dtype=bool)
     for values in channels:
-        found = np.ones(max(len(values) - 1, 0), dtype=bool) if found is None else found
         rows = np.flatnonzero(np.isfinite(values))
         if len(rows) > 1:
             own, level = values[rows], np.quantile(np.abs(values[rows]), 0.95)
             scatter = np.median(np.abs(np.diff(own, 2))) / 1.652 if len(own) > 2 else 0.0  # σ √6 · 0.674 for white noise
             limit = min(max(NOISE * scatter, LEAST * level), max(LARGEST * level, NEAR * np.ptp(own)))
             found[rows[1:] - 1] &= np.abs(np.diff(own)) <= limit
-    return np.zeros(1, dtype=bool) if found is None or not found.size else found
-
-
-def _smooth(channels: Iterable[Array]) -> bool:
-    """Whether rows that follow each other are closer than rows that are far apart, in most channels that change."""
-    finite = [own for values in channels if len(own := values[np.isfinite(values)]) > 1 and np.ptp(own) > 0.0]
-    closer = [np.median(np.abs(np.diff(own))) < 0.5 * np.median(np.abs(own - np.roll(own, len(own) // 2))) for own in finite]
-    return 2 * sum(closer) >= len(closer)
+    return found
 
 
 def _plateaus(even: Array, raw: Array, half: int) -> list[tuple[int, int]]:
@@ -152,39 +134,38 @@ def _rows(
     sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time: str, name: str, channels: Iterable[str]
 ) -> tuple[Sheet, list[str]]:
     """A row for each span, with means and standard errors of the means; and each span in words, in the units of the file."""
-    values = {channel: np.full(len(spans), np.nan) for channel in sheet.values if channel != time}
-    errors = {channel: np.full(len(spans), np.nan) for channel in values if not channel.endswith(DEVIATION)}
-    lines, spikes, described = np.zeros(len(spans), dtype=int), 0, []
+    import pandas as pd
+
+    place = np.full(len(sheet), -1)
     for row, (start, end) in enumerate(spans):
-        inside, parts = (times >= start) & (times < end), {}
-        own_lines = sheet.lines[inside]
-        lines[row] = own_lines[0]
-        for channel in values:
-            column, one = sheet.values[channel], sheet.taken[channel]
-            there = np.isfinite(column)
-            own = column[inside & there]
-            if not own.size and there.sum() > 1:
-                # A channel with a slower raster than the plateau.
-                there &= np.isfinite(times)
-                own = np.interp([0.5 * (start + end)], times[there], column[there])
-            kept = _kept(own)
-            spikes += own.size - kept.size
-            values[channel][row] = kept.mean() if own.size else np.nan
-            if channel in errors and kept.size > 1:
-                errors[channel][row] = kept.std(ddof=1) / np.sqrt(kept.size)
-            spread = f" ± {one.written(kept).std(ddof=1):.2g}" if own.size > 1 else ""
-            parts[channel] = f"{one.title} {one.written(values[channel][row]):.5g}{spread}"
-        ends = f"{start:.4g} to {end:.4g} s, lines {own_lines[0]} to {own_lines[-1]}, {own_lines.size} samples"
-        described.append(f"plateau {row + 1}: {ends}: {'; '.join(parts[channel] for channel in channels)}")
+        place[(times >= start) & (times < end)] = row
+    inside = place >= 0
+    unknown = [title for title, cells in sheet.others.items() if cells.dtype != object]
+    data = pd.DataFrame({c: values for c, values in {**sheet.values, **{t: sheet.others[t] for t in unknown}}.items() if c != time})
+    groups = data[inside].groupby(place[inside])
+    apart = (data[inside] - groups.transform("median")).abs()
+    limit = SPIKE * apart.groupby(place[inside]).transform("median")
+    spikes = (apart > limit) & (limit > 0.0) & (groups.transform("count") > 2 * SAMPLES)
+    kept = data[inside].mask(spikes).groupby(place[inside])
+    means, scatter, errors = (found.reindex(range(len(spans))) for found in (kept.mean(), kept.std(), kept.sem()))
+    for channel, values in data.items():
+        there = np.isfinite(values) & np.isfinite(times)
+        if there.sum() > 1:
+            # A channel may have a slower raster than the plateaus.
+            between = np.interp([0.5 * (start + end) for start, end in spans], times[there], values[there])
+            means[channel] = means[channel].fillna(pd.Series(between))
+    described, lines = [], [sheet.lines[place == row] for row in range(len(spans))]
+    for row, (start, end) in enumerate(spans):
+        parts = []
+        for channel in channels:
+            one, value, size = sheet.taken[channel], means.loc[row, channel], scatter.loc[row, channel]
+            spread = f" ± {abs(one.written(value + size) - one.written(value)):.2g}" if np.isfinite(size) else ""
+            parts.append(f"{one.title} {one.written(value):.5g}{spread}")
+        own = f"lines {lines[row][0]} to {lines[row][-1]}, {len(lines[row])} samples"
+        described.append(f"plateau {row + 1}: {start:.4g} to {end:.4g} s, {own}: {'; '.join(parts)}")
     texts = {name: np.array([f"plateau {row}" for row in range(1, len(spans) + 1)], dtype=object)}
-    remarks = [*sheet.remarks, *[f"{spikes} samples far from their plateau are not averaged"] * (spikes > 0)]
-    return replace(sheet, values=values, texts=texts, lines=lines, errors=errors, remarks=remarks), described
-
-
-def _kept(values: Array) -> Array:
-    """Values without spikes."""
-    if len(values) <= 2 * SAMPLES:
-        return values
-    apart = np.abs(values - np.median(values))
-    limit = SPIKE * 1.4826 * np.median(apart)  # 1.4826 medians of the distances are a standard deviation
-    return values[apart <= limit] if limit > 0.0 else values
+    count, first = int(spikes.to_numpy().sum()), np.array([own[0] for own in lines], dtype=int)
+    remarks = [*sheet.remarks, *[f"{count} samples far from their plateau are not averaged"] * (count > 0)]
+    values, others = ({name: means[name].to_numpy() for name in data if (name in unknown) == which} for which in (False, True))
+    of_means = {name: errors[name].to_numpy() for name in values if not name.endswith(DEVIATION)}
+    return replace(sheet, values=values, others=others, texts=texts, lines=first, errors=of_means, remarks=remarks), described

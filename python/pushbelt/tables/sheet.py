@@ -5,9 +5,8 @@ A column has a title of name and unit; the unit may also be in the row below. Na
 
 from __future__ import annotations
 
-import itertools
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -16,9 +15,9 @@ import numpy as np
 
 from ..errors import PushbeltError
 from . import files, numerals, units
-from .files import Cells, TextError
+from .files import Cells
 from .names import DEVIATION, Column, Names, key, same, splits, turned
-from .numerals import NumeralError, Percent
+from .numerals import TextError
 from .units import Unit
 
 if TYPE_CHECKING:
@@ -37,9 +36,6 @@ VALID = {key(word): good for words, good in (("valid isvalid validity gültig gu
 """Titles of columns that say whether a row is valid, or that it is not."""
 YES = frozenset("1 10 true wahr vrai yes y ja j oui x ok gültig valid".split())
 SAMPLE = 500  # Rows that suffice to settle the decimal sign if all their numbers agree
-SEVERAL = 3  # Least number of values without a unit that are read as per cent
-SHARES: dict[str, tuple[Callable[[Array], Any], float, float]] = {"slip": (np.max, 0.5, 50.0), "efficiency": (np.median, 1.5, 100.0)}
-"""Columns that are in per cent without saying so if this of their values is in these limits."""
 MEANT = "not read; if"  # Start of the remark that says how an unknown column is read
 TIMED = re.compile(r"zeit|time|temps|stamp|clock|(?:^|[\[({/,]|\bin )\s*(?:s|ms|us|µs|sec|sek)\s*[\])}]*$")  # Titles of times
 ASCENDING = 0.9  # Share of the values of an unknown column that are not below the one above, if it is the time
@@ -69,14 +65,6 @@ class TableError(PushbeltError, ValueError):
         super().__init__(start + text)
 
 
-def of_the_column(faults: Sequence[Fault], good: int, hint: str = "") -> list[Fault]:
-    """The first of the faults of a column for all of them, if at least half of its values have one."""
-    if not faults or len(faults) < MOST * (len(faults) + good):
-        return []
-    more = f" (and {len(faults) - 1} more rows)" if len(faults) > 1 else ""
-    return [faults[0]._replace(text=faults[0].text + more + hint)]
-
-
 def grouped(faults: Sequence[Fault]) -> list[str]:
     """Texts of faults; equal ones of several lines are one."""
     lines: dict[Fault, list[int | None]] = {}
@@ -92,8 +80,7 @@ def grouped(faults: Sequence[Fault]) -> list[str]:
 @dataclass(frozen=True)
 class Reading:
     decimal: str | None = None  # `point` or `comma`; None: determined from the file
-    renamed: Mapping[str, str] = field(default_factory=dict)
-    """Known name, possibly with a unit, by the title of the file, or the other way round."""
+    renamed: Mapping[str, str] = field(default_factory=dict)  # Known name, possibly with a unit, by the title of the file
     sheet: str | None = None  # Sheet of a spreadsheet
     encoding: str | None = None  # Of a text; None: UTF-8, what its first bytes say, or CP1252
     as_written: bool = False  # Whether values that are not plausible are taken as they are written
@@ -176,7 +163,7 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one. Raises
     TableError if the file is not a table at all, OSError if it cannot be read."""
     reading = reading or Reading()
-    names = Names(columns, (side for pair in reading.renamed.items() for side in pair))
+    names = Names(columns, reading.renamed)
     try:
         return _Reader(path, files.read(path, names, reading.sheet, reading.encoding), names, reading, misspelled).read()
     except TableError:
@@ -206,29 +193,16 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
     below = [row for row in range(at + 1, at + 1 + HEADERS) if row < len(head)]
     found = next((row for row in [*below, at - 1] if row >= 0 and _is_row_of_units(head[row])), None)
     first = max(at, -1 if found is None else found) + 1
-    while first in below and _is_row_of_words(head[first]):
-        first += 1
     remarks = [*cells.remarks, *[f"{at} rows above the header are not read"] * (at > 0)]
-    skipped = [row for row in range(at + 1, first) if row != found]
-    remarks += [f"line {cells.frame.index[row]} has no values and is not read: {', '.join(filter(None, head[row]))[:80]}" for row in skipped]
     return titles, [""] * len(titles) if found is None else head[found], at, first, remarks
-
-
-def _is_number(cell: str) -> bool:
-    return any(numerals.number(cell, name) is not None for name in numerals.SIGNS)
-
-
-def _is_row_of_words(row: Sequence[str]) -> bool:
-    """Words in all cells, which are neither numbers nor signs for a missing value."""
-    filled = [cell for cell in row if cell]
-    return bool(filled) and not any(numerals.missing(cell) or _is_number(cell) or not any(map(str.isalpha, cell)) for cell in filled)
 
 
 def _is_row_of_units(row: Sequence[str]) -> bool:
     """No numbers apart from the unit 1, and at least half of the cells are units."""
     filled = [cell for cell in row if cell]
     known = [cell for cell in filled if units.is_unit(cell)]
-    return bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled) and not any(cell != "1" and _is_number(cell) for cell in filled)
+    numbers = [cell for cell in filled if cell != "1" and any(numerals.number(cell, name) is not None for name in numerals.SIGNS)]
+    return bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled) and not numbers
 
 
 # Columns and values
@@ -240,7 +214,6 @@ class _Reader:
         self.titles, self.units, row, first, remarks = header(cells, names)
         self.line, self.body = int(cells.frame.index[row]), cells.frame.iloc[first:]
         self.sheet = Sheet(path, cells.source, remarks=remarks, lines=self.body.index.to_numpy(dtype=int))
-        self.clocks: list[Taken] = []  # Columns of times, if each channel has its own
 
     def read(self) -> Sheet:
         """The sheet, without the rows that are left out."""
@@ -261,9 +234,6 @@ class _Reader:
                 sheet.texts[name] = column.astype(str).to_numpy(dtype=object)
             elif decimal is not None:
                 sheet.values[name] = self._values(name, column, decimal)
-        if self.clocks and decimal is not None and not sheet.texts:
-            self._on_one_clock(decimal)
-            return sheet
         for place, title in enumerate(self.titles):
             if title in sheet.ignored and key(title) not in INDEX:
                 numbers = numerals.numbers(self.body[place], decimal or "point")
@@ -307,19 +277,6 @@ class _Reader:
                 text = f"'{word}': the row is not valid" if valid is not None else f"'{word}': no measured row"
                 self.sheet.left_out.append(Fault(text, int(line), title or None))
 
-    def _on_one_clock(self, decimal: str) -> None:
-        """A row for each time of any channel; a channel belongs to the times to the left of it."""
-        import pandas as pd
-
-        sheet, parts, clock_name = self.sheet, [], self.clocks[0].name
-        for clock, end in zip(self.clocks, [*(clock.place for clock in self.clocks[1:]), len(self.titles)], strict=True):
-            own = {name: column for name, column in sheet.values.items() if clock.place < sheet.taken[name].place < end}
-            own[clock_name] = numerals.seconds(self.body[clock.place], clock.scale, decimal)
-            parts.append(pd.DataFrame(own, index=self.body.index).dropna(subset=[clock_name]))
-        found = pd.concat(parts).reindex(columns=list(sheet.values)).sort_values(clock_name, kind="stable")
-        sheet.remarks.append(f"{len(self.clocks)} columns {self.clocks[0].title}: each has the channels to the right of it")
-        sheet.values, sheet.lines = {name: column.to_numpy() for name, column in found.items()}, found.index.to_numpy(dtype=int)
-
     # Titles
 
     def _take(self) -> None:
@@ -340,11 +297,7 @@ class _Reader:
             self.sheet.ignored += [one.title for one in own if one not in best]
             if self.names.bare(first.title) and first.place not in renamed:
                 self.sheet.remarks.append(f"{first.title} is taken as {name}")
-            # Equal titles of times, each with other columns to the right of it, are the clocks of these.
-            apart = np.diff([*(one.place for one in best), len(self.titles)])
-            if len(best) > 1 and first.column.dimension == "time" and len({key(one.title) for one in best}) == 1 and (apart > 1).all():
-                self.clocks = best
-            elif len(best) > 1:
+            if len(best) > 1:
                 self._fault(f"it appears {len(best)} times: {' and '.join(one.title for one in best)}", name)
         self.sheet.remarks += self._meant()
 
@@ -364,17 +317,15 @@ class _Reader:
     def _renamed(self) -> dict[int, str]:
         """Known name, possibly with a unit, by place, as the user asks for."""
         found: dict[int, str] = {}
-        for one, other in self.reading.renamed.items():
-            known = {side: bool(self.names.split(turned(side)[1])) for side in (one, other)}
-            for title, wanted in ((one, other), (other, one)):
-                places = [k for k, there in enumerate(self.titles) if there.strip() == title.strip()]
-                places = places or [k for k, there in enumerate(self.titles) if there and same(there, title)]
-                if places and known[wanted]:
-                    found[places[0]] = wanted
-                    break
+        for title, wanted in self.reading.renamed.items():
+            places = [k for k, there in enumerate(self.titles) if there.strip() == title.strip()]
+            places = places or [k for k, there in enumerate(self.titles) if there and same(there, title)]
+            if not self.names.split(turned(wanted)[1]):
+                self.sheet.faults.append(Fault(f"--map {title}={wanted}: {wanted} is not a known name"))
+            elif not places:
+                self.sheet.faults.append(Fault(f"--map {title}={wanted}: there is no column {title} in the file"))
             else:
-                text = f"there is no column {one} in the file" if any(known.values()) else f"neither {one} nor {other} is a known name"
-                self.sheet.faults.append(Fault(f"--map {one}={other}: {text}"))
+                found[places[0]] = wanted
         return found
 
     def _taken(self, place: int, title: str, wanted: str | None) -> Taken | None:
@@ -388,15 +339,13 @@ class _Reader:
             self._unknown(title)
             return None
         written = self._unit(place, title, candidates[0], bool(name))
-        if not written and candidates[0][0].endswith(DEVIATION):
-            base = candidates[0][0].removesuffix(DEVIATION)
-            first = ((k, found[0]) for k, title in enumerate(self.titles) if title and (found := self.names.split(title)))
-            written = next((self._unit(k, self.titles[k], other, False) for k, other in first if other[0] == base), "")
         for name, _ in candidates:
             column = self._column(name)
             if column.dimension == "text":
                 return Taken(title, name, "", place, Unit(1.0), column)
-            scale = units.find(written or column.default, column.dimension)
+            # A standard deviation without a unit has that of its column.
+            of_column = not written and name.endswith(DEVIATION)
+            scale = Unit(1.0) if of_column else units.find(written or column.default, column.dimension)
             if scale is not None:
                 return Taken(title, name, written, place, scale, column, sign)
         name = candidates[0][0]
@@ -458,7 +407,7 @@ class _Reader:
         )
         try:
             return numerals.settle(first, certainly=True) or numerals.settle(every, self.cells.separator)
-        except NumeralError as error:
+        except TextError as error:
             self.sheet.faults.append(Fault(str(error)))
             return None
 
@@ -469,55 +418,38 @@ class _Reader:
             return numerals.seconds(column, one.scale, decimal)
         numbers = numerals.numbers(column, decimal)
         shares = column.map(lambda cell: str(cell).endswith("%")).to_numpy(dtype=bool)
-        if name in SHARES and one.scale == Unit(1.0) and not one.turned and not any(isinstance(cell, Percent) for cell in column):
-            # A column without a unit, or 1, whose values are no shares, like an efficiency of 97.
-            typical, low, high = SHARES[name]
-            sizes = np.abs(numbers[np.isfinite(numbers)])
-            if sizes.size >= SEVERAL and low < float(typical(sizes)) <= high:
-                sheet.remarks.append(f"{one.title} has values that are no shares and is read as %")
-                one = sheet.taken[name] = one.in_per_cent
         values = np.where(shares, one.in_per_cent.si(numbers) if one.column.dimension == "ratio" else np.nan, one.si(numbers))
         low, high = one.limits
-        inside = (values > low if one.deviation else values >= low) & (values <= high) & ~np.isin(numbers, numerals.SENTINELS)
-        faults: dict[str, list[Fault]] = {"sign": [], "value": [], "word": [], "range": []}
-        for row in np.flatnonzero(~inside & ~column.isin(["", *"-–—"]).to_numpy(dtype=bool)):
-            kind, text = self._why(one, column.iloc[row], numbers[row], values[row], decimal)
-            faults[kind].append(Fault(text, int(column.index[row]), one.title))
-        sheet.faults += faults.pop("sign")
-        outside = ~inside & np.isin(column.index, [fault.line for fault in faults["range"] if fault.line is not None])
-        for kind, hint in (("range", self._other_unit(one, numbers[outside])), ("word", "")):
-            if column_has := of_the_column(faults[kind], int(inside.sum()), hint):
-                sheet.faults += column_has
-                faults[kind].clear()
-        bad = sorted(itertools.chain(*faults.values()), key=lambda fault: fault.line or 0)
-        if len(bad) == len(column) > 0 and all(fault.text.endswith("is no value") for fault in bad):
+        words = column.map(lambda cell: isinstance(cell, str) and numerals.missing(cell)).to_numpy(dtype=bool)
+        absent, empty = words | np.isin(numbers, numerals.SENTINELS), column.isin(["", *"-–—"]).to_numpy(dtype=bool)
+        inside = (values > low if one.deviation else values >= low) & (values <= high) & ~absent
+        if absent.any() and (absent | empty).all():
             sheet.remarks.append(f"column {one.title} has no value")
-        else:
-            sheet.left_out += bad
+            return np.where(inside, values, np.nan)
+        wrong = np.flatnonzero(~(inside | absent | empty))
+        faults = [Fault(self._why(one, column.iloc[row], numbers[row], values[row]), int(column.index[row]), one.title) for row in wrong]
+        if faults and len(faults) >= MOST * (len(faults) + inside.sum()):
+            more = f" (and {len(faults) - 1} more rows)" * (len(faults) > 1) + self._other_unit(one, numbers[wrong][np.isfinite(numbers[wrong])])
+            sheet.faults.append(faults[0]._replace(text=faults[0].text + more))
+            faults = []
+        faults += [Fault(f"'{cell}' is no value", int(line), one.title) for line, cell in column[absent].items()]
+        sheet.left_out += sorted(faults, key=lambda fault: fault.line or 0)
         return np.where(inside, values, np.nan)
 
     @staticmethod
-    def _why(one: Taken, cell: str | float, number: float, value: float, decimal: str) -> tuple[str, str]:
-        """Kind and text of the fault of a cell."""
-        if isinstance(cell, str) and cell.startswith("="):
-            return "value", "a formula that was never calculated: open the file in a spreadsheet program and save it"
-        if number in numerals.SENTINELS or (isinstance(cell, str) and numerals.missing(cell)):
-            return "value", f"'{cell if isinstance(cell, str) else format(cell, 'g')}' is no value"
+    def _why(one: Taken, cell: str | float, number: float, value: float) -> str:
+        """Why a cell has no value of its column."""
         if np.isnan(number) or (np.isnan(value) and not one.turned):
-            other = next(name for name in numerals.SIGNS if name != decimal)
-            if np.isnan(number) and numerals.number(str(cell), other) is not None:
-                # A decimal sign unlike that of the other numbers is ambiguous.
-                return "sign", f"'{cell}' is not a number with a decimal {decimal}, which the other numbers of the file have"
-            return "word", f"'{cell}' is not a number"
+            return f"'{cell}' is not a number"
         low, high = sorted((one.in_per_cent if str(cell).endswith("%") else one).written(np.array(one.limits)))
         unit = one.unit or one.column.default
         shown = "" if unit in ("", "1", "-") else f" {unit}"
-        return "range", f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{shown}"
+        return f"{cell} is not within {'above ' if one.deviation else ''}{low:.6g} to {high:.6g}{shown}"
 
     @staticmethod
     def _other_unit(one: Taken, numbers: Array) -> str:
         """The first unit in which numbers would be in the range of the column, with the option that says so."""
-        for unit in units.confused(one.column.dimension) if not one.turned else ():
+        for unit in units.confused(one.column.dimension) if numbers.size and not one.turned else ():
             scale = units.find(unit, one.column.dimension)
             if scale not in (None, one.scale) and (np.clip(scale.si(numbers), one.column.low, one.column.high) == scale.si(numbers)).all():
                 return f'; plausible is {unit} (--map "{one.title}={one.name} [{unit}]")'

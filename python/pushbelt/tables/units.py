@@ -5,29 +5,35 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-import zipfile
 from collections.abc import Mapping
-from decimal import Decimal
 from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
-from ..fmu.files import DATA, NAME, TREE
-from ..fmu.start_values import DESCRIPTION
+
+class Unit(NamedTuple):
+    """A unit: the SI value is `factor` times the number, plus `offset`."""
+
+    factor: float
+    offset: float = 0.0
+
+    def si(self, value: Any) -> Any:
+        """Value in SI."""
+        return self.factor * value + self.offset
+
 
 RPM = math.pi / 30.0
 POUND = 4.4482216152605
 FOOT = 0.3048
 ATMOSPHERE = 101325.0  # Pressure that is subtracted from absolute pressures, Pa
-FMU = math.nan  # Stands for the factor of the FMU's display unit that has the first spelling
-SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
+SPELLED: Mapping[str, Mapping[str, float | Unit]] = {
     "ratio": {
         "1 - none dimensionless unitless pu ratio 1/1 -/-": 1.0,
-        "% percent pct prozent vh 1/100": FMU,
+        "% percent pct prozent vh 1/100": 0.01,
         "‰ permille": 0.001,
     },
     "speed": {
         "rad/s rad.s-1 rad.s^-1 radians/s rad/sec rad/sek": 1.0,
-        "rpm 1/min /min min-1 min^-1 u/min r/min rev/min revs/min revpermin rev.min-1 tr/min upm u.min-1 u.min^-1 turns/min umdr/min": FMU,
+        "rpm 1/min /min min-1 min^-1 u/min r/min rev/min revs/min revpermin rev.min-1 tr/min upm u.min-1 u.min^-1 turns/min umdr/min": RPM,
         "krpm": 1e3 * RPM,
         "hz rps rev/s r/s u/s rev.s-1": 60.0 * RPM,
         "deg/s °/s": math.pi / 180.0,
@@ -45,7 +51,7 @@ SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
     },
     "force": {
         "N newton newtons": 1.0,
-        "kN kilonewton": FMU,
+        "kN kilonewton": 1e3,
         "MN": 1e6,
         "daN": 10.0,
         "lbf lb lbs pound-force poundforce": POUND,
@@ -54,13 +60,13 @@ SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
     },
     "pressure": {
         "Pa pascal N/m2 N/m^2": 1.0,
-        "bar bars barg bar(g) bar_g bar,g": FMU,
-        "MPa N/mm2 N/mm^2": FMU,
+        "bar bars barg bar(g) bar_g bar,g": 1e5,
+        "MPa N/mm2 N/mm^2": 1e6,
         "kPa": 1e3,
         "hPa mbar": 1e2,
-        "bara bar(a) bar_a barabs bar,a": (1e5, -ATMOSPHERE),
+        "bara bar(a) bar_a barabs bar,a": Unit(1e5, -ATMOSPHERE),
         "psi psig lbf/in2 lbf/in^2": 6894.757293168,
-        "psia": (6894.757293168, -ATMOSPHERE),
+        "psia": Unit(6894.757293168, -ATMOSPHERE),
         "kgf/cm2 kgf/cm^2 kg/cm2 kg/cm^2 kp/cm2 kp/cm^2 at": 98066.5,
     },
     "time": {
@@ -72,12 +78,12 @@ SPELLED: Mapping[str, Mapping[str, float | tuple[float, float]]] = {
     },
     "rate": {"1/s s-1 s^-1 /s 1/sec hz": 1.0, "1/min /min min-1 min^-1": 1.0 / 60.0},
     "velocity": {"m/s m.s-1 m.s^-1 m/sec": 1.0, "km/h kmh kph km/hr kmh-1": 1.0 / 3.6, "mph mi/h": 0.44704},
-    "length": {"m": 1.0, "mm": FMU, "cm": 1e-2, "um μm": 1e-6, "km": 1e3, "mi miles": 1609.344},
-    "stress": {"Pa N/m2 N/m^2": 1.0, "MPa N/mm2 N/mm^2": FMU, "GPa": 1e9, "kPa": 1e3},
-    "temperature": {"K kelvin": 1.0, "°C c degc celsius gradc grdc": (1.0, 273.15)},
+    "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um μm": 1e-6, "km": 1e3, "mi miles": 1609.344},
+    "stress": {"Pa N/m2 N/m^2": 1.0, "MPa N/mm2 N/mm^2": 1e6, "GPa": 1e9, "kPa": 1e3},
+    "temperature": {"K kelvin": 1.0, "°C c degc celsius gradc grdc": Unit(1.0, 273.15)},
     "power": {"W watt": 1.0, "kW": 1e3, "ps hp": 735.49875},
     "energy": {"J joule": 1.0, "kJ": 1e3},
-    "angle": {"rad": 1.0, "deg ° degree degrees": FMU, "mrad": 1e-3},
+    "angle": {"rad": 1.0, "deg ° degree degrees": math.pi / 180.0, "mrad": 1e-3},
     "mass": {"kg": 1.0, "g": 1e-3},
     "inertia": {"kg.m2 kg.m^2": 1.0},
     "line density": {"kg/m": 1.0, "g/m": 1e-3},
@@ -104,43 +110,17 @@ OF_FMU: Mapping[str, str] = {
     "N/m2": "stress", **{next(iter(groups)).split()[0]: dimension for dimension, groups in SPELLED.items()},
 }  # fmt: skip
 """Dimension by the unit of a variable of the FMU."""
-SIGNS = str.maketrans({
-    "\N{MINUS SIGN}": "-", "\N{EN DASH}": "-", "\N{EM DASH}": "-", "\N{HYPHEN}": "-",
-    "\N{FRACTION SLASH}": "/", "\N{DIVISION SLASH}": "/", "\N{MASCULINE ORDINAL INDICATOR}": "°", "\N{RING ABOVE}": "°",
-})  # fmt: skip
+SIGNS = str.maketrans("−–—‐⁄÷º˚", "----//°°")
+"""Other signs for minus, slash and degree."""
 PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2"})
 """Units with the prefix milli or mega. With the prefix in the wrong case they have no certain meaning."""
-
-
-class Unit(NamedTuple):
-    """A unit: the SI value is `factor` times the number, plus `offset`."""
-
-    factor: float
-    offset: float = 0.0
-
-    def si(self, value: Any) -> Any:
-        """Value in SI."""
-        return self.factor * value + self.offset
 
 
 @cache
 def spellings() -> Mapping[str, Mapping[str, Unit]]:
     """Units by dimension and spelling."""
-    # Imported here, so that the help of programs is fast.
-    from lxml import etree
-
-    if (TREE / DESCRIPTION).is_file():
-        description = (TREE / DESCRIPTION).read_bytes()
-    else:
-        with zipfile.ZipFile(DATA / NAME) as archive:
-            description = archive.read(DESCRIPTION)
-    display = {one.get("name"): float(1 / Decimal(one.get("factor"))) for one in etree.fromstring(description).iter("DisplayUnit")}
-
-    def unit(words: str, factor: float | tuple[float, float]) -> Unit:
-        return Unit(*factor) if isinstance(factor, tuple) else Unit(display[words.split()[0]] if factor != factor else factor)
-
     return {
-        dimension: {normal(word): unit(words, factor) for words, factor in groups.items() for word in words.split()}
+        dimension: {normal(word): one if isinstance(one, Unit) else Unit(one) for words, one in groups.items() for word in words.split()}
         for dimension, groups in SPELLED.items()
     }
 
