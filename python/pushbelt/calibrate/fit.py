@@ -3,7 +3,7 @@ not determine."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +24,8 @@ MISFIT = 3.0  # Root mean square of the residuals, in standard deviations, above
 LOST_SHARE = 1.0 / 3.0  # Share of values at points without a steady state above which a fit is bad
 RAISE = 1.1  # Factor by which the friction is raised while points have no steady state at the start values
 PARTNER = 0.9  # Correlation above which two parameters can hardly be separated
-TOLERANCE = 1e-4  # Relative tolerances of a search: of the sum of squares plus 1, and of the coordinates
+TOLERANCE, COARSE = 1e-3, 1e-2  # Relative reduction of the sum of squares plus 1, and of the robust loss, with which a search ends
+CHANGE = 1e-4  # Relative change of the coordinates with which a search ends
 MOST_EVALUATIONS, MOST_SEARCHES = 40, 5  # Largest numbers of trials in a search, and of searches, each with new derivatives
 NEAR = 0.05  # Largest change of a coordinate with which derivatives hold
 AT_BOUND = 1e-3  # Distance within which a coordinate counts as at its bound
@@ -292,7 +293,7 @@ class Search:
         robust search ends without them."""
         every = [*free, *waiting]
         for _ in range(MOST_SEARCHES):
-            found = self._search(list(free), _robust if robust else "linear")
+            found = self._search(list(free), robust)
             if robust:
                 return
             self.converged = found and self._near
@@ -309,7 +310,7 @@ class Search:
         """Whether the place is within the range of the derivatives."""
         return bool(np.abs(self.place - self._differentiated).max() <= NEAR)
 
-    def _search(self, free: list[int], loss: str | Callable[[Array], Array]) -> bool:
+    def _search(self, free: list[int], robust: bool) -> bool:
         """Searches from the place, with the derivatives there. Returns whether it reached a minimum."""
         trial = self.place, self.states, self.residuals
 
@@ -332,7 +333,12 @@ class Search:
             self.place, self.states, self.residuals = trial
             return np.vstack([self.kept[:, None] * self.slopes[:, free], np.zeros(len(free))])
 
+        squares = self.kept * self.residuals**2
+        losses = _robust(squares)[0] if robust else squares
+        # Neither lost points nor outliers make the search coarse.
+        ftol = (COARSE if robust else TOLERANCE) * (1.0 + np.minimum(losses, MISFIT**2).sum()) / (1.0 + losses.sum())
         found = least_squares(
-            residuals, self.place[free], slopes, self._bounds[:, free], loss=loss, ftol=TOLERANCE, xtol=TOLERANCE, gtol=None, max_nfev=MOST_EVALUATIONS
-        )
+            residuals, self.place[free], slopes, self._bounds[:, free], loss=_robust if robust else "linear",
+            ftol=ftol, xtol=CHANGE, gtol=None, max_nfev=MOST_EVALUATIONS,
+        )  # fmt: skip
         return bool(found.status > 0)
