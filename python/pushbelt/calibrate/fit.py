@@ -89,14 +89,12 @@ def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = Non
     if count <= len(parameters):
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
     start = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
-    first = start if begin is None else begin
-    (before,) = model.states([assign(parameters, first)])
+    begin = start if begin is None else begin
+    (before,) = model.states([assign(parameters, begin)])
     given_up: dict[int, str] = {}
-    place, states = _carrying(model, parameters, first, list(before))
-    if all(found.reason is not None for found in states):
-        raise FitError(f"no point has a steady state at the start values: {states[0].reason}")
-    if model.exhausted:
-        lost = [found.reason for found in states if found.reason is not None]
+    place, states = _carrying(model, parameters, begin, list(before))
+    lost = [found.reason for found in states if found.reason is not None]
+    if len(lost) == len(states) or model.exhausted:
         why = f"{len(lost)} of {len(states)} points have no steady state near the start values: {lost[0] if lost else ''}"
         raise FitError(f"{why}. Are forces and torques in the units of the table, or in pounds?")
     search = Search(model, parameters, place, states)
@@ -129,17 +127,13 @@ def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = Non
     for k, (parameter, at) in enumerate(zip(parameters, search.place.tolist(), strict=True)):
         interval = parameter.interval(at, halves[k]) if k in halves else None
         estimates.append(Estimate(parameter, parameter.value(at), halves.get(k), interval, given_up.get(k)))
-    return _result(search, tuple(estimates), spread, before)
-
-
-def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, before: Sequence[Found]) -> Fit:
-    (at_start, at_end), kept = map(search.model.relative, (before, search.states)), search.kept[: len(search.model.values)]
+    (at_start, at_end), kept = map(model.relative, (before, search.states)), search.kept[: len(model.values)]
     first, last, of_all = _rms(at_start[kept]), _rms(at_end[kept]), _rms(at_end)
     left = len(kept) - np.isfinite(at_end[kept]).sum()
     misfit = None
-    if search.model.exhausted and not search.converged:
-        misfit = f"the search ended after {search.model.solves} solutions: {sum(found.reason is not None for found in search.states)} of "
-        misfit += f"{len(search.states)} points have no steady state"
+    if model.exhausted and not search.converged:
+        lost = [found.reason for found in search.states if found.reason is not None]
+        misfit = f"the search ended after {model.solves} solutions: {len(lost)} of {len(search.states)} points have no steady state"
     elif left > LOST_SHARE * len(kept):
         misfit = f"{left} of {len(kept)} values are outliers or at points without a steady state"
     elif last > MISFIT:
@@ -147,7 +141,7 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
     elif last > 1.0 and (np.isfinite(at_start[kept]).sum() == len(kept) - left) and last >= first * (1.0 - 1e-6):
         misfit = f"the root mean square of the residuals, {last:.3g} standard deviations, has not fallen"
     solved = before, search.states, search.evaluations, search.converged
-    return Fit(estimates, spread, (first, last), *solved, tuple(kept.tolist()), of_all, misfit, search.place, search.residuals, search.slopes)
+    return Fit(tuple(estimates), spread, (first, last), *solved, tuple(kept.tolist()), of_all, misfit, search.place, search.residuals, search.slopes)
 
 
 def _rms(relative: Array) -> float:
@@ -158,11 +152,10 @@ def _rms(relative: Array) -> float:
 def _carrying(model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]) -> tuple[Array, list[Found]]:
     """Initial coordinates and states. The friction is raised as long as this brings the model closer to the measurements."""
     place = start
-    friction = next((k for k, parameter in enumerate(parameters) if parameter.name == "friction.pulley"), None)
-    while friction is not None and any(found.reason is not None for found in states) and not model.exhausted:
-        higher = place.copy()
-        higher[friction] *= RAISE
-        if higher[friction] > parameters[friction].bounds[1]:
+    raised = np.array([RAISE if parameter.name == "friction.pulley" else 1.0 for parameter in parameters])
+    while raised.max() > 1.0 and any(found.reason is not None for found in states) and not model.exhausted:
+        higher = place * raised
+        if any(x > parameter.bounds[1] for x, parameter in zip(higher, parameters, strict=True)):
             break
         (found,) = model.states([assign(parameters, higher)])
         if model.distance(found) >= model.distance(states):
@@ -274,8 +267,9 @@ class Search:
         free, fixed, values = list(free), assign(self.parameters, self.place), len(self.model.values)
         self.slopes, self._differentiated = np.zeros_like(self.slopes), self.place
         self.slopes[:values, free] = self.model.slopes([self.parameters[k] for k in free], fixed, self.place[free], self.states)
-        for row, (k, parameter) in enumerate(((k, p) for k, p in enumerate(self.parameters) if p.prior), values):
-            self.slopes[row, k] = (parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start) / parameter.prior[1]
+        for row, (k, prior) in enumerate(((k, p.prior) for k, p in enumerate(self.parameters) if p.prior), values):
+            parameter = self.parameters[k]
+            self.slopes[row, k] = (parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start) / prior[1]
 
     def _move(self, place: Array) -> tuple[Array, list[Found], Array]:
         (states,) = self.model.states([assign(self.parameters, place)])

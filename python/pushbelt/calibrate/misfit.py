@@ -21,7 +21,7 @@ from pushbelt.tables.sheet import TableError, same
 from . import model as models
 from .fit import CONFIDENCE, Estimate, Fit, FitError, fit
 from .model import Model
-from .parameters import Parameter, ParameterError, Size, assign
+from .parameters import Parameter, ParameterError, additional, assign
 from .worker import Found, Job
 
 CHANCE = 0.01  # Probability that scatter is taken for a cause, and for a trend, over all tests
@@ -89,9 +89,7 @@ def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
             found.append(one._replace(values={**one.values, **more}))
         return found
 
-    found = Model(model.points, solve)
-    found.most_solves = model.most_solves
-    return found
+    return Model(model.points, solve, model.most_solves)
 
 
 # Causes
@@ -121,7 +119,7 @@ def friction_over(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Caus
         value = values[FRICTION] + slope * away[point.line]
         return {**values, FRICTION: min(max(value, friction.low), friction.high)}, point
 
-    size = Size.over(f"slope of {FRICTION} over {own}", "1", friction.start / float(np.nanstd(column)))
+    size = additional(f"slope of {FRICTION} over {own}", "1", friction.start / float(np.nanstd(column)))
     return Cause(size, change, advice=f"{FRICTION} holds at the mean of {own}, {mean:.5g}")
 
 
@@ -149,10 +147,10 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
         found.append(Cause(size, change, tuple(columns), begin=begin))
 
     def add_weighted(name: str, unit: str, scale: float, weights: Mapping[str, Array | float], begin: float | None = None) -> None:
-        add(Size.over(name, unit, scale), lambda size: {name: values[name] - size * weight for name, weight in weights.items()}, (), begin)
+        add(additional(name, unit, scale), lambda size: {name: values[name] - size * weight for name, weight in weights.items()}, (), begin)
 
     def add_factor(name: str, powers: Mapping[str, Array | float]) -> None:
-        size = Parameter(name, (name,), "1", 1.0, 0.1, 10.0)
+        size = Parameter(name, (), "1", 1.0, 0.1, 10.0)
         # A deviation has the factor of its value.
         scaled = {name: (values[name], power) for name, power in powers.items()}
         for name, power in powers.items():
@@ -173,10 +171,10 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
     speed, torque, force = (values[name] for name in REQUIRED)
     ratio = values.get("ratio.geometric", values.get("ratio.speed", np.ones(len(sheet))))
     name, driving = sheet.title("primary.torque"), np.sign(torque)
-    power = Size.over(f"power of the ratio in {name} (1: it is that of the other shaft)", "1", 2.0)
+    power = additional(f"power of the ratio in {name} (1: it is that of the other shaft)", "1", 2.0)
     add(power, lambda size: {"primary.torque": torque / ratio**size})
     if "efficiency" in taken:
-        pump = Size.over(f"torque of a pump or gear in {name} and the efficiency", "N.m", rms["primary.torque"])
+        pump = additional(f"torque of a pump or gear in {name} and the efficiency", "N.m", rms["primary.torque"])
         add(pump, lambda size: {
             "primary.torque": torque - size, "efficiency": values["efficiency"] * np.abs(torque / (torque - size)) ** driving
         })  # fmt: skip
@@ -239,7 +237,7 @@ def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found:
     for name in FIELDS:
         own = np.array([getattr(point, name) for point in model.points], dtype=float)
         if np.nan_to_num(own).any():
-            size = Size.over(name, "1", float(np.sqrt(np.nanmean(own**2))))
+            size = additional(name, "1", float(np.sqrt(np.nanmean(own**2))))
             conditions.append(Cause(size, partial(moved, name)))
     sizes, at = [one.size for one in conditions], np.zeros(len(conditions))
     by_condition = with_causes(model, conditions).slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after)
