@@ -139,7 +139,7 @@ def test_a_search_without_steady_states_is_bounded() -> None:
 
     opened = Model(sound.points, solve)
     opened.most_solves = 400
-    with pytest.raises(fit.FitError, match="8 of 10 points have no steady state.*pounds"):
+    with pytest.raises(fit.FitError, match=r"8 of 10 points have no steady state.*pounds"):
         fit.fit(opened, [parameter("friction.pulley", 0.062, high=10.0)])
     assert 200 < opened.solves <= opened.most_solves
 
@@ -390,11 +390,6 @@ def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others(
     # The outlier is nowhere among the other points.
     inside = [y for one in torque.series if one.kind == "points" and not one.texts for y in one.y]
     assert len(inside) == 9 and max(map(abs, inside)) <= torque.y_range[1]
-
-
-@pytest.mark.parametrize(("errors", "expected"), [(ERRORS, 3.0), (4.0 * ERRORS, 8.8), (np.append(ERRORS, [55.0, -40.0]), 3.0)])
-def test_the_reach_is_that_of_the_bulk(errors: np.ndarray, expected: float) -> None:
-    assert report.reach(residuals(errors)) == pytest.approx(expected)
 
 
 def test_the_other_set_does_not_determine_the_axes_but_is_counted() -> None:
