@@ -98,9 +98,9 @@ def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
 def columns(rig: Rig) -> dict[str, Array]:
     """Numbers that a table has for each point, by title: conditions, times, unknown columns, and the order of the rows."""
     sheet, rows = rig.sheet, rig.rows
-    known = {sheet.title(name): rig.values[name] for name in ("ratio.geometric", "ratio.speed", *REQUIRED, "time") if name in rig.values}
-    unknown = {title: column for title, column in sheet.others.items() if column.dtype != object}
-    return {**{title: column[rows] for title, column in {**known, **unknown}.items()}, ORDER: np.arange(len(rows), dtype=float)}
+    found = {sheet.title(name): rig.values[name] for name in ("ratio.geometric", "ratio.speed", *REQUIRED, "time") if name in rig.values}
+    found |= {title: column for title, column in sheet.others.items() if column.dtype != object}
+    return {**{title: column[rows] for title, column in found.items()}, ORDER: np.arange(len(rows), dtype=float)}
 
 
 def friction_over(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Cause:
@@ -154,10 +154,9 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
         # A deviation has the factor of its value.
         scaled = {name: (values[name], power) for name, power in powers.items()}
         for name, power in powers.items():
-            if name + DEVIATION in rig.values:
-                scaled[name + DEVIATION] = rig.values[name + DEVIATION], power
-            elif name in QUANTITIES:
-                scaled[name + DEVIATION] = np.hypot(QUANTITIES[name].absolute, QUANTITIES[name].relative * values[name]), power
+            own = rig.values.get(name + DEVIATION, np.vectorize(QUANTITIES[name].assumed)(values[name]) if name in QUANTITIES else None)
+            if own is not None:
+                scaled[name + DEVIATION] = own, power
         add(size, lambda size: {name: column / size**power for name, (column, power) in scaled.items()}, list(powers))
 
     rms = {name: float(np.sqrt(np.nanmean(values[name] ** 2))) or 1.0 for name in taken if np.isfinite(values[name]).any()}
@@ -241,7 +240,6 @@ def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found:
             conditions.append(Cause(size, partial(moved, name)))
     sizes, at = [one.size for one in conditions], np.zeros(len(conditions))
     by_condition = with_causes(model, conditions).slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after)
-    by_friction = [(one, own[: len(place)]) for one, own in zip(parameters, found.slopes.T, strict=True) if one.name == FRICTION]
     slopes = np.zeros((len(found.residuals), len(some)))
     residuals = _bounded(found)[: len(place)]
     old = np.array([one.value for point in model.points for one in point.measured])
@@ -252,20 +250,17 @@ def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found:
         for one, own in zip(sizes, by_condition.T, strict=True):
             pairs = ((getattr(new, one.name), getattr(point, one.name)) for (_, new), point in zip(jobs, model.points, strict=True))
             column += own * np.array([one.coordinate((after or 0.0) - (before or 0.0)) for after, before in pairs])[place]
-        for one, own in by_friction:
-            column += own * np.array([one.coordinate(values[FRICTION]) - one.coordinate(fixed[FRICTION]) for values, _ in jobs])[place]
+        for one, own in zip(parameters, found.slopes.T, strict=True):
+            if one.name == FRICTION:
+                column += own[: len(place)] * np.array([one.coordinate(values[FRICTION]) - one.coordinate(fixed[FRICTION]) for values, _ in jobs])[place]
         slopes[: len(place), k] = column / models.STEP
     return slopes
 
 
-def _limit(found: Fit, scatter: float) -> float:
-    """Largest residual that counts in full: that of an outlier among so many."""
-    return float(student.isf(0.5 * (1.0 - CONFIDENCE) / len(found.kept), len(found.kept))) * max(scatter, 1.0)
-
-
-def _bounded(found: Fit) -> Array:
-    """Residuals without the excess of outliers."""
-    limit = _limit(found, found.rms[1])
+def _bounded(found: Fit, scatter: float | None = None) -> Array:
+    """Residuals without the excess of outliers among so many, with this scatter or that of the fit."""
+    count = len(found.kept)
+    limit = float(student.isf(0.5 * (1.0 - CONFIDENCE) / count, count)) * max(scatter or found.rms[1], 1.0)
     return np.clip(found.residuals, -limit, limit)
 
 
@@ -304,7 +299,7 @@ def search(rig: Rig, model: Model, parameters: Sequence[Parameter], found: Fit) 
     scatter = max(min((one.rms[1] for _, one in fits), default=1.0), 1.0)
 
     def loss(one: Fit) -> float:
-        return float(np.sum((np.minimum(np.abs(one.residuals[: len(one.kept)]), _limit(one, scatter)) / scatter) ** 2))
+        return float(np.sum((_bounded(one, scatter)[: len(one.kept)] / scatter) ** 2))
 
     freedom = max(len(found.kept) - len(parameters) - 1, 1)
     better = loss(found) - student.isf(0.5 * CHANCE / len(some), freedom) ** 2

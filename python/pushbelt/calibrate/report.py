@@ -222,8 +222,7 @@ def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]],
     scores = [score(own, quantity, name) for quantity in quantities(first) for name, own in sets.items()]
     folder.mkdir(parents=True, exist_ok=True)
     tables.write(folder / "holdout.csv", SCORES, scores)
-    document = [{name: None if value != value else value for name, value in one._asdict().items()} for one in scores]
-    (folder / "holdout.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
+    pd.DataFrame(scores).to_json(folder / "holdout.json", orient="records", double_precision=15, indent=2)
     header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in sets)]
     columns = [first[name] for name in ("line", "name", "time", "quantity", "measured", "sd")]
     tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in sets.values())], axis=1))
