@@ -93,7 +93,7 @@ def test_the_step_of_the_differences_stands_on_a_plateau(solver: Any, variables:
     opened = model.Model([STEADY[1], STEADY[7], SHIFTS[0]], solver)
     place = np.array([parameter.coordinate(parameter.start) for parameter in chosen])
     fixed = {**parameters.assign(chosen, place), **{name: 2 * int(variables[name].start) for name in MESH}}
-    (base,) = opened.states([fixed])
+    base = opened.states(fixed)
     found = [opened.slopes(chosen, fixed, place, base, factor * model.STEP) for factor in (1.0 / 3.0, 1.0, 3.0)]
     assert np.abs(found[1]).max(axis=0).min() > 1.0
     for rows in opened.values.groupby("quantity").indices.values():
@@ -112,7 +112,7 @@ def test_a_jump_of_a_state_is_not_a_slope(jumped: str) -> None:
         return [Found({"thrustRatio": 10.0 * value + jump}) for value, jump in zip(values, off, strict=True)]
 
     opened = model.Model([planned(1.0, 0.5, "thrustRatio")], solve)
-    (base,) = opened.states([{"friction.pulley": 0.09}])
+    base = opened.states({"friction.pulley": 0.09})
     slopes = opened.slopes([friction], {}, np.array([1.0]), base)
     assert slopes == pytest.approx(np.array([[0.9 / NOISE["thrustRatio"]]]))
 

@@ -90,9 +90,9 @@ def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = Non
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
     start = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
     begin = start if begin is None else begin
-    (before,) = model.states([assign(parameters, begin)])
+    before = model.states(assign(parameters, begin))
     given_up: dict[int, str] = {}
-    place, states = _carrying(model, parameters, begin, list(before))
+    place, states = _carrying(model, parameters, begin, before)
     lost = [found.reason for found in states if found.reason is not None]
     if len(lost) == len(states) or model.exhausted:
         why = f"{len(lost)} of {len(states)} points have no steady state near the start values: {lost[0] if lost else ''}"
@@ -107,7 +107,7 @@ def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = Non
             why = ", ".join(f"{parameters[k].name} {reason}" for k, reason in given_up.items())
             raise FitError(f"the table determines none of the parameters: {why}")
         if again:
-            search.run([k for k in left if k not in waiting], waiting)
+            search.run([k for k in left if k not in waiting] or left, waiting)
         inner = [k for k in left if not search.at_bound(k)]
         spread = _spread(search, inner)
         wide = [k for k, half in enumerate(spread.halves) if half > UNDETERMINED]
@@ -157,7 +157,7 @@ def _carrying(model: Model, parameters: Sequence[Parameter], start: Array, state
         higher = place * raised
         if any(x > parameter.bounds[1] for x, parameter in zip(higher, parameters, strict=True)):
             break
-        (found,) = model.states([assign(parameters, higher)])
+        found = model.states(assign(parameters, higher))
         if model.distance(found) >= model.distance(states):
             break
         place, states = higher, found
@@ -272,7 +272,7 @@ class Search:
             self.slopes[row, k] = (parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start) / prior[1]
 
     def _move(self, place: Array) -> tuple[Array, list[Found], Array]:
-        (states,) = self.model.states([assign(self.parameters, place)])
+        states = self.model.states(assign(self.parameters, place))
         return place, states, self._residuals(place, states)
 
     def hold(self, k: int, coordinate: float) -> None:

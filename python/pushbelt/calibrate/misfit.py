@@ -154,9 +154,10 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
         # A deviation has the factor of its value.
         scaled = {name: (values[name], power) for name, power in powers.items()}
         for name, power in powers.items():
-            own = rig.values.get(name + DEVIATION, np.vectorize(QUANTITIES[name].assumed)(values[name]) if name in QUANTITIES else None)
-            if own is not None:
-                scaled[name + DEVIATION] = own, power
+            if name + DEVIATION in rig.values:
+                scaled[name + DEVIATION] = rig.values[name + DEVIATION], power
+            elif name in QUANTITIES:
+                scaled[name + DEVIATION] = np.hypot(QUANTITIES[name].absolute, QUANTITIES[name].relative * values[name]), power
         add(size, lambda size: {name: column / size**power for name, (column, power) in scaled.items()}, list(powers))
 
     rms = {name: float(np.sqrt(np.nanmean(values[name] ** 2))) or 1.0 for name in taken if np.isfinite(values[name]).any()}

@@ -52,16 +52,15 @@ class Model:
         self.most_solves = most_solves
         self._last = 0  # Number of those of all points with one set of values
 
-    def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
-        """Results of the model at all points, for several sets of values."""
-        found, count = self._count([(values, point) for values in assignments for point in self.points]), len(self.points)
-        self._last = sum(one.solves for one in found[-count:])
-        # Slip and steady state of the last set of values are good estimates for the next one.
+    def states(self, values: Mapping[str, float]) -> list[Found]:
+        """Results of the model at all points with these values."""
+        found = self._count([(values, point) for point in self.points])
+        self._last = sum(one.solves for one in found)
+        # Slip and steady state of the last values are good estimates for the next ones.
         self.points = tuple(
-            replace(point, slip=one.values.get("slip", point.slip), near=one.near or point.near)
-            for point, one in zip(self.points, found[-count:], strict=True)
+            replace(point, slip=one.values.get("slip", point.slip), near=one.near or point.near) for point, one in zip(self.points, found, strict=True)
         )
-        return [found[k * count : (k + 1) * count] for k in range(len(assignments))]
+        return found
 
     @property
     def exhausted(self) -> bool:

@@ -217,7 +217,7 @@ def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]],
     """Scores of sets by name on a table, by quantity and set: the first one, and those for comparison. Writes report.html, holdout.csv,
     holdout.json and residuals.csv."""
     with model.opened(fmu, {}, rig.points, workers, len(parameters) * len(rig.points)) as opened:
-        sets = dict(zip(parameters, map(opened.rows, opened.states(list(parameters.values()))), strict=True))
+        sets = {name: opened.rows(opened.states(values)) for name, values in parameters.items()}
     first = next(iter(sets.values()))
     scores = [score(own, quantity, name) for quantity in quantities(first) for name, own in sets.items()]
     folder.mkdir(parents=True, exist_ok=True)
