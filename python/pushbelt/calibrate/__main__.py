@@ -12,7 +12,7 @@ Cells may be empty. --template FILE writes such a table with the meaning of each
 With the columns series and time, each series is a recorded shift and its rows are the samples.
 
 A solution takes about 0.01 s of processor time per point, the first one and one without a state near by 0.03 s. A fit takes about four
-solutions per point and parameter, and ten more. A speed ratio takes 1.5 times as long, a shift rate about fifteen times.
+solutions per point and parameter, and twenty more. A speed ratio takes 1.5 times as long, a shift rate about fifteen times.
 
 --plan N writes the N points that narrow the intervals of the fitted parameters most to plan.csv, a table to fill in. They add to TABLE, if there is
 one, at the parameters of --variator. Their limits are those of TABLE or of --within.

@@ -312,19 +312,22 @@ class Search:
             nonlocal trial
             place = self.place.copy()
             place[free] = at
-            if self.model.exhausted:
-                return np.full(len(self.residuals) + 1, np.inf)  # No better place
+            found = self.residuals
             if np.abs(step := place - self.place).max() > 1e-9:
+                if self.model.exhausted:
+                    return np.full(len(found) + 1, np.inf)  # A step that is refused
                 trial = self._move(place)
                 self.evaluations += 1
-                change = trial[2] - self.residuals - self.slopes @ step
-                change[(trial[2] == LOST) | ~self.carried()] = 0.0
+                found = trial[2]
+                change = found - self.residuals - self.slopes @ step
+                change[(found == LOST) | ~self.carried()] = 0.0
                 self.slopes = self.slopes + np.outer(change, step) / float(step @ step)
             # A constant residual, of a standard deviation, makes the relative tolerance an absolute one for small residuals.
-            return np.append(self.kept * trial[2], 1.0)
+            return np.append(self.kept * found, 1.0)
 
-        def slopes(_: Array) -> Array:
-            self.place, self.states, self.residuals = trial
+        def slopes(at: Array) -> Array:
+            if np.array_equal(trial[0][free], at):
+                self.place, self.states, self.residuals = trial
             return np.vstack([self.kept[:, None] * self.slopes[:, free], np.zeros(len(free))])
 
         squares = self.kept * self.residuals**2
