@@ -2,7 +2,7 @@
 
 import dataclasses
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import reports
 from conftest import MESH
+from rig_tables import written
 
-from pushbelt import tables
 from pushbelt.calibrate import __main__, model, parameters, worker
 from pushbelt.calibrate.worker import Found, Job
 from pushbelt.fmu.data import parameter_set, torque_capacity
@@ -66,47 +66,35 @@ STEADY = [planned(ratio, share, "thrustRatio", "slip", "efficiency") for ratio i
 SHIFTS = [dataclasses.replace(planned(ratio, 0.2, "ds/dt"), primary_force=force) for ratio, force in ((1.0, 11e3), (1.0, 19e3), (1.6, 15e3))]
 
 
-class InProcess:
-    def __init__(self, fmu: Path, archive: Archive) -> None:
-        self._fmu, self._archive = fmu, archive
-
-    def __call__(self, jobs: Sequence[Job]) -> list[Found]:
-        return [worker.solve(self._fmu, self._archive.directory, {**BASE, **values}, point) for values, point in jobs]
-
-    def measure(self, points: Sequence[Point], seed: int | None) -> list[Point]:
-        """The points as `TRUTH` has them, with noise, and lines numbered."""
-        random = np.random.default_rng(seed)
-        found = []
-        for line, point in enumerate(points, 2):
-            measured = point
-            # A shift starts at a ratio from which it passes the point's ratio if it shifts as measured, hence a second round.
-            for _ in range(2 if point.shifting else 1):
-                (state,) = self([(TRUTH, measured)])
-                assert state.reason is None
-                measured = dataclasses.replace(point, measured=tuple(dataclasses.replace(m, value=state.values[m.quantity]) for m in point.measured))
-            noise = np.zeros(len(measured.measured)) if seed is None else random.standard_normal(len(measured.measured))
-            values = (dataclasses.replace(m, value=m.value + m.deviation * n) for m, n in zip(measured.measured, noise, strict=True))
-            found.append(dataclasses.replace(measured, line=line, measured=tuple(values)))
-        return found
-
-
 @pytest.fixture(scope="module")
-def solver(fmu: Path, archive: Archive) -> InProcess:
-    return InProcess(fmu, archive)
+def solver(fmu: Path, archive: Archive) -> Callable[[Sequence[Job]], list[Found]]:
+    return lambda jobs: [worker.solve(fmu, archive.directory, {**BASE, **values}, point) for values, point in jobs]
+
+
+def measured(solver: Callable[[Sequence[Job]], list[Found]], points: Sequence[Point]) -> list[Point]:
+    """The points as `TRUTH` has them, with noise."""
+    random, found = np.random.default_rng(168), []
+    for point in points:
+        noisy = point
+        # A shift starts at a ratio from which it passes the point's ratio if it shifts as measured, hence a second round.
+        for scatter in (0.0, 1.0):
+            (state,) = solver([(TRUTH, noisy)])
+            values = {m.quantity: state.values[m.quantity] + scatter * m.deviation * random.standard_normal() for m in point.measured}
+            noisy = dataclasses.replace(point, measured=tuple(dataclasses.replace(m, value=values[m.quantity]) for m in point.measured))
+        found.append(noisy)
+    return found
 
 
 @pytest.mark.slow
-def test_the_step_of_the_differences_stands_on_a_plateau(solver: InProcess, variables: Mapping[str, Any], monkeypatch: Any) -> None:
+def test_the_step_of_the_differences_stands_on_a_plateau(solver: Any, variables: Mapping[str, Any]) -> None:
     """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity. On twice the default mesh:
     on coarser ones thrust ratios, and on the default mesh a shift gain (2.2 %), have waves over the friction coefficient."""
     chosen = parameters.choose({"friction.pulley": 0.087, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
     opened = model.Model([STEADY[1], STEADY[7], SHIFTS[0]], solver)
     place = np.array([parameter.coordinate(parameter.start) for parameter in chosen])
     fixed = {**parameters.assign(chosen, place), **{name: 2 * int(variables[name].start) for name in MESH}}
-    (base,), found = opened.states([fixed]), []
-    for step in (model.STEP / 3.0, model.STEP, 3.0 * model.STEP):
-        monkeypatch.setattr(model, "STEP", step)
-        found.append(opened.slopes(chosen, fixed, place, base))
+    base = opened.states(fixed)
+    found = [opened.slopes(chosen, fixed, place, base, factor * model.STEP) for factor in (1.0 / 3.0, 1.0, 3.0)]
     assert np.abs(found[1]).max(axis=0).min() > 1.0
     for rows in opened.values.groupby("quantity").indices.values():
         assert max(np.abs(other - found[1])[rows].max() for other in found) < 0.02 * np.abs(found[1][rows]).max()
@@ -124,12 +112,12 @@ def test_a_jump_of_a_state_is_not_a_slope(jumped: str) -> None:
         return [Found({"thrustRatio": 10.0 * value + jump}) for value, jump in zip(values, off, strict=True)]
 
     opened = model.Model([planned(1.0, 0.5, "thrustRatio")], solve)
-    (base,) = opened.states([{"friction.pulley": 0.09}])
+    base = opened.states({"friction.pulley": 0.09})
     slopes = opened.slopes([friction], {}, np.array([1.0]), base)
     assert slopes == pytest.approx(np.array([[0.9 / NOISE["thrustRatio"]]]))
 
 
-def test_a_lost_point_counts_more_the_less_it_carries(solver: InProcess) -> None:
+def test_a_lost_point_counts_more_the_less_it_carries(solver: Any) -> None:
     found = solver([({"friction.pulley": friction}, STEADY[8]) for friction in (0.09, 0.06, 0.05)])
     assert found[0].reason is None and found[0].missing == 0.0
     assert all("steady state" in lost.reason for lost in found[1:])
@@ -139,23 +127,15 @@ def test_a_lost_point_counts_more_the_less_it_carries(solver: InProcess) -> None
     assert opened.distance(found[:1]) <= 3 * model.FAR**2 < opened.distance(found[1:2]) < opened.distance(found[2:])
 
 
-def write(points: Sequence[Point], path: Path) -> None:
-    quantities = [(quantity, "1/s" if "/dt" in quantity else "1") for quantity in NOISE]
-    header = ["name", "ratio.geometric [1]", "primary.speed [rad/s]", "primary.torque [N.m]", "secondary.clampingForce [N]",
-              "primary.clampingForce [N]", *(f"{q}{end} [{unit}]" for q, unit in quantities for end in ("", ".sd"))]  # fmt: skip
-    rows = []
-    for point in points:
-        known = {m.quantity: (m.value, m.deviation) for m in point.measured}
-        measured = (cell for quantity in NOISE for cell in known.get(quantity, (None, None)))
-        rows.append([point.name, point.ratio, point.speed, point.torque, point.force, point.primary_force, *measured])
-    tables.write(path, header, rows, digits=None)
-
-
 @pytest.mark.slow
-def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess, tmp_path: Path) -> None:
+def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: Any, tmp_path: Path) -> None:
     """Within their 95 % intervals, which are narrow; report, parameters and residuals are written."""
-    points = solver.measure([*STEADY[::3], *STEADY[2::3], *SHIFTS[:2]], seed=168)
-    write(points, tmp_path / "table.csv")
+    points = measured(solver, [*STEADY[::3], *STEADY[2::3], *SHIFTS[:2]])
+    titles = ["i_geo", "n_P [rad/s]", "T_P [Nm]", "F_S [N]", "F_P [N]", *(f"{name}{end}" for name in NOISE for end in (" [1/s]" * ("/" in name), ".sd"))]
+    known = [{m.quantity: (m.value, m.deviation) for m in point.measured} for point in points]
+    cells = [[cell for name in NOISE for cell in one.get(name, ("", ""))] for one in known]
+    rows = [[p.ratio, p.speed, p.torque, p.force, p.primary_force or "", *own] for p, own in zip(points, cells, strict=True)]
+    written(tmp_path / "table.csv", [titles, *rows])
     out = tmp_path / "out"
     words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), *(f"--set={name}={value}" for name, value in MESH.items())]
     assert __main__.main([*words, "--fit", "friction.pulley=0.085,friction.ring,belt.play"]) == 0

@@ -12,7 +12,7 @@ Cells may be empty. --template FILE writes such a table with the meaning of each
 With the columns series and time, each series is a recorded shift and its rows are the samples.
 
 A solution takes about 0.01 s of processor time per point, the first one and one without a state near by 0.03 s. A fit takes about four
-solutions per point and parameter, and ten more. A speed ratio takes 1.5 times as long, a shift rate about fifteen times.
+solutions per point and parameter, and twenty more. A speed ratio takes 1.5 times as long, a shift rate about fifteen times.
 
 --plan N writes the N points that narrow the intervals of the fitted parameters most to plan.csv, a table to fill in. They add to TABLE, if there is
 one, at the parameters of --variator. Their limits are those of TABLE or of --within.
@@ -48,7 +48,6 @@ from . import parameters
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 SUSPECT = 1.5  # Root mean square of the residuals, in standard deviations, above which a fit is bad if a cause halves it
 MISFIT = 3  # Exit code of a bad fit
-ITERATIONS = 12  # Number of iterations of a fit that the progress bar assumes
 PLANNED = 0.012  # Processor time of a steady state of a planned point, s
 SOLUTION = 0.008  # Processor time of a steady state near another one, s
 SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 15.0, 1.5, 4.0
@@ -62,11 +61,10 @@ def wanted(text: str) -> dict[str, float | None]:
 
 def limits(text: str) -> tuple[str, tuple[float, float]]:
     """`name=low:high`."""
-    name, _, both = text.partition("=")
-    low, separator, high = both.partition(":")
-    if not separator:
+    found = re.fullmatch(r"([^=]+)=(.*?):(.*)", text)
+    if not found:
         raise argparse.ArgumentTypeError(f"{text} is not of the form name=low:high")
-    return name, (float(low), float(high))
+    return found[1], (float(found[2]), float(found[3]))
 
 
 def prior(text: str) -> tuple[str, tuple[float, float]]:
@@ -193,7 +191,7 @@ def cost(rig: points.Rig) -> float:
 
 def sets(parameters: int) -> int:
     """Number of solutions of all points in a fit of so many parameters, and for the tests of its residuals."""
-    return 9 + ITERATIONS + 4 * parameters
+    return 25 + 4 * parameters
 
 
 def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from pushbelt.errors import PushbeltError
@@ -24,17 +24,10 @@ MISFIT = 3.0  # Root mean square of the residuals, in standard deviations, above
 LOST_SHARE = 1.0 / 3.0  # Share of values at points without a steady state above which a fit is bad
 RAISE = 1.1  # Factor by which the friction is raised while points have no steady state at the start values
 PARTNER = 0.9  # Correlation above which two parameters can hardly be separated
-TOLERANCE = 1e-4
-"""A search ends where its next step is expected to reduce the sum of squares by less than this value plus this share of it."""
-CONFIRMED = 10.0  # The derivatives at the end may expect a reduction of this multiple of the tolerance
-MOST_EVALUATIONS = 40
-MOST_JACOBIANS = 6  # Largest number of times that a search computes all derivatives
-REACH = 0.3, 1.0, 1e-5  # First, largest and smallest length of a step in a coordinate
-NEAR = 0.05
-"""Length of steps, in the coordinate of the parameter with the largest influence, within which derivatives hold."""
-DAMPING = 0.01
-"""Weight of the squared step. It is far below that of a determined parameter, and shortens steps along directions that the data
-do not see."""
+TOLERANCE, COARSE = 1e-3, 1e-2  # Relative reduction of the sum of squares plus 1, and of the robust loss, with which a search ends
+CHANGE = 1e-4  # Relative change of the coordinates with which a search ends
+MOST_EVALUATIONS, MOST_SEARCHES = 40, 5  # Largest numbers of trials in a search, and of searches, each with new derivatives
+NEAR = 0.05  # Largest change of a coordinate with which derivatives hold
 AT_BOUND = 1e-3  # Distance within which a coordinate counts as at its bound
 
 
@@ -96,14 +89,12 @@ def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = Non
     if count <= len(parameters):
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
     start = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
-    first = start if begin is None else begin
-    (before,) = model.states([assign(parameters, first)])
+    begin = start if begin is None else begin
+    before = model.states(assign(parameters, begin))
     given_up: dict[int, str] = {}
-    place, states = _carrying(model, parameters, first, list(before))
-    if all(found.reason is not None for found in states):
-        raise FitError(f"no point has a steady state at the start values: {states[0].reason}")
-    if model.exhausted:
-        lost = [found.reason for found in states if found.reason is not None]
+    place, states = _carrying(model, parameters, begin, before)
+    lost = [found.reason for found in states if found.reason is not None]
+    if len(lost) == len(states) or model.exhausted:
         why = f"{len(lost)} of {len(states)} points have no steady state near the start values: {lost[0] if lost else ''}"
         raise FitError(f"{why}. Are forces and torques in the units of the table, or in pounds?")
     search = Search(model, parameters, place, states)
@@ -116,7 +107,7 @@ def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = Non
             why = ", ".join(f"{parameters[k].name} {reason}" for k, reason in given_up.items())
             raise FitError(f"the table determines none of the parameters: {why}")
         if again:
-            search.run([k for k in left if k not in waiting], waiting)
+            search.run([k for k in left if k not in waiting] or left, waiting)
         inner = [k for k in left if not search.at_bound(k)]
         spread = _spread(search, inner)
         wide = [k for k, half in enumerate(spread.halves) if half > UNDETERMINED]
@@ -136,17 +127,13 @@ def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = Non
     for k, (parameter, at) in enumerate(zip(parameters, search.place.tolist(), strict=True)):
         interval = parameter.interval(at, halves[k]) if k in halves else None
         estimates.append(Estimate(parameter, parameter.value(at), halves.get(k), interval, given_up.get(k)))
-    return _result(search, tuple(estimates), spread, before)
-
-
-def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, before: Sequence[Found]) -> Fit:
-    (at_start, at_end), kept = map(search.model.relative, (before, search.states)), search.kept[: len(search.model.values)]
+    (at_start, at_end), kept = map(model.relative, (before, search.states)), search.kept[: len(model.values)]
     first, last, of_all = _rms(at_start[kept]), _rms(at_end[kept]), _rms(at_end)
     left = len(kept) - np.isfinite(at_end[kept]).sum()
     misfit = None
-    if search.model.exhausted and not search.converged:
-        misfit = f"the search ended after {search.model.solves} solutions: {sum(found.reason is not None for found in search.states)} of "
-        misfit += f"{len(search.states)} points have no steady state"
+    if model.exhausted and not search.converged:
+        lost = [found.reason for found in search.states if found.reason is not None]
+        misfit = f"the search ended after {model.solves} solutions: {len(lost)} of {len(search.states)} points have no steady state"
     elif left > LOST_SHARE * len(kept):
         misfit = f"{left} of {len(kept)} values are outliers or at points without a steady state"
     elif last > MISFIT:
@@ -154,7 +141,7 @@ def _result(search: Search, estimates: tuple[Estimate, ...], spread: Spread, bef
     elif last > 1.0 and (np.isfinite(at_start[kept]).sum() == len(kept) - left) and last >= first * (1.0 - 1e-6):
         misfit = f"the root mean square of the residuals, {last:.3g} standard deviations, has not fallen"
     solved = before, search.states, search.evaluations, search.converged
-    return Fit(estimates, spread, (first, last), *solved, tuple(kept.tolist()), of_all, misfit, search.place, search.residuals, search.slopes)
+    return Fit(tuple(estimates), spread, (first, last), *solved, tuple(kept.tolist()), of_all, misfit, search.place, search.residuals, search.slopes)
 
 
 def _rms(relative: Array) -> float:
@@ -165,13 +152,12 @@ def _rms(relative: Array) -> float:
 def _carrying(model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]) -> tuple[Array, list[Found]]:
     """Initial coordinates and states. The friction is raised as long as this brings the model closer to the measurements."""
     place = start
-    friction = next((k for k, parameter in enumerate(parameters) if parameter.name == "friction.pulley"), None)
-    while friction is not None and any(found.reason is not None for found in states) and not model.exhausted:
-        higher = place.copy()
-        higher[friction] *= RAISE
-        if higher[friction] > parameters[friction].bounds[1]:
+    raised = np.array([RAISE if parameter.name == "friction.pulley" else 1.0 for parameter in parameters])
+    while raised.max() > 1.0 and any(found.reason is not None for found in states) and not model.exhausted:
+        higher = place * raised
+        if any(x > parameter.bounds[1] for x, parameter in zip(higher, parameters, strict=True)):
             break
-        (found,) = model.states([assign(parameters, higher)])
+        found = model.states(assign(parameters, higher))
         if model.distance(found) >= model.distance(states):
             break
         place, states = higher, found
@@ -243,140 +229,113 @@ def _undetermined(names: Sequence[str], worst: int, spread: Spread) -> str:
     return text
 
 
-class Search:
-    """Bounded least squares by Gauss-Newton steps in a trust region.
+def _robust(squares: Array) -> Array:
+    """The loss `soft_l1`, 2 (√(1 + r²) − 1), of which an outlier has a share that grows linearly, and its derivatives. A second one of 0 gives
+    Gauss-Newton steps with weights, which do not overshoot far from the minimum."""
+    roots = np.sqrt(1.0 + squares)
+    return np.array([2.0 * (roots - 1.0), 1.0 / roots, np.zeros_like(squares)])
 
-    The derivatives are central differences of steady states at the start. Then each trial updates them along its step (Broyden), which
-    costs no further steady states. Those at the end give the intervals, and confirm the end or continue the search.
+
+class Search:
+    """Bounded least squares.
+
+    The derivatives are central differences of steady states. Each trial updates them along its step (Broyden), which costs no further steady states.
+    A search ends within the range of its derivatives, which then also give the intervals; else it continues with those at its end.
     """
 
     def __init__(self, model: Model, parameters: Sequence[Parameter], place: Array, states: list[Found]) -> None:
         self.model, self.parameters = model, tuple(parameters)
         self.place, self.states = place, states
         self.evaluations, self.converged = 0, False
-        self._low, self._high = np.array([parameter.bounds for parameter in parameters]).T
+        self._bounds = np.array([parameter.bounds for parameter in parameters]).T
         self.residuals = self._residuals(place, states)
         self.kept = np.ones(len(self.residuals), dtype=bool)  # Which measured values, and priors, are no outliers
-        self._robust = False
-        self.slopes = self._differences(range(len(place)))
-        self._length = 0.0  # Length of the last step, as the reach counts
-        self._moved = np.inf  # Length of all steps since the last central differences
-
-    # Residuals and derivatives, of the measured values and the priors
+        self.slopes = np.zeros((len(self.residuals), len(place)))
+        self._differentiate(range(len(place)))
 
     def _residuals(self, place: Array, states: Sequence[Found]) -> Array:
+        """Of the measured values and the priors."""
         priors = [(p.value(float(x)) - p.prior[0]) / p.prior[1] for p, x in zip(self.parameters, place, strict=True) if p.prior]
         return np.nan_to_num(np.concatenate([self.model.relative(states), priors]), nan=LOST)
-
-    def _at(self, place: Array) -> tuple[list[Found], Array]:
-        (states,) = self.model.states([assign(self.parameters, place)])
-        return states, self._residuals(place, states)
 
     def carried(self) -> Array:
         """Which residuals are not those of points without a steady state."""
         return self.residuals != LOST
 
-    def _differences(self, free: Sequence[int]) -> Array:
-        """Derivatives; the columns of parameters that are not free are 0."""
-        free = list(free)
-        chosen = [self.parameters[k] for k in free]
-        fixed = assign(self.parameters, self.place)
-        found = np.zeros((len(self.residuals), len(self.place)))
-        found[: len(self.model.values), free] = self.model.slopes(chosen, fixed, self.place[free], self.states)
-        for row, (k, prior) in enumerate(((k, p.prior) for k, p in enumerate(self.parameters) if p.prior), len(self.model.values)):
+    def _differentiate(self, free: Iterable[int]) -> None:
+        """Computes the derivatives. Those with respect to parameters that are not free are 0."""
+        free, fixed, values = list(free), assign(self.parameters, self.place), len(self.model.values)
+        self.slopes, self._differentiated = np.zeros_like(self.slopes), self.place
+        self.slopes[:values, free] = self.model.slopes([self.parameters[k] for k in free], fixed, self.place[free], self.states)
+        for row, (k, prior) in enumerate(((k, p.prior) for k, p in enumerate(self.parameters) if p.prior), values):
             parameter = self.parameters[k]
-            slope = parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start
-            found[row, k] = slope / prior[1]
-        return found
+            self.slopes[row, k] = (parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start) / prior[1]
 
-    def _loss(self, residuals: Array) -> float:
-        """Sum of squares, or the robust loss `soft_l1`, 2 (√(1 + r²) − 1), of which an outlier has a share that grows linearly."""
-        squares = residuals[self.kept] ** 2
-        return float(np.sum(2.0 * (np.sqrt(1.0 + squares) - 1.0) if self._robust else squares))
-
-    @property
-    def _weights(self) -> Array:
-        """Factors of the residuals, whose squares then have the slope of the loss."""
-        return self.kept * ((1.0 + self.residuals**2) ** -0.25 if self._robust else 1.0)
-
-    # Search
+    def _move(self, place: Array) -> tuple[Array, list[Found], Array]:
+        states = self.model.states(assign(self.parameters, place))
+        return place, states, self._residuals(place, states)
 
     def hold(self, k: int, coordinate: float) -> None:
         if self.place[k] != coordinate:
-            self.place = np.where(np.arange(len(self.place)) == k, coordinate, self.place)
-            self.states, self.residuals = self._at(self.place)
-            self._moved = np.inf
-
-    def run(self, free: Sequence[int], waiting: Iterable[int] = (), robust: bool = False) -> None:
-        """Minimises the loss over the free parameters. The derivatives at the end are also those of the waiting ones. A robust search ends
-        without them."""
-        self._robust = robust
-        free, every = list(free), sorted({*free, *waiting})
-        reach, jacobians, confirmed, self.converged = REACH[0], 0, False, False
-        while self.evaluations < MOST_EVALUATIONS and not self.model.exhausted:
-            total = self._loss(self.residuals)
-            step, expected = self._step(free, reach)
-            # A lost point is constant, and does not make the search coarse.
-            tolerance = TOLERANCE * (1.0 + self._loss(np.where(self.carried(), self.residuals, 0.0)))
-            small = expected <= tolerance * (CONFIRMED if confirmed or robust else 1.0)
-            if small or reach < REACH[2] or (confirmed and jacobians >= MOST_JACOBIANS):
-                if robust:
-                    return
-                if self._moved <= NEAR:
-                    self.converged = expected <= tolerance * CONFIRMED or reach >= REACH[2]
-                    break
-                self.slopes, self._moved = self._differences(every), 0.0
-                jacobians, confirmed, reach = jacobians + 1, True, max(reach, 0.1)
-                continue
-            better = self._try(step, total, expected)
-            if better > 0.75:
-                reach = min(max(reach, 2.0 * self._length), REACH[1])
-            elif better < 0.25:
-                reach = (0.25 if better <= 0.0 else 0.5) * self._length
-                if better <= 0.0 and reach < 0.01 and jacobians < MOST_JACOBIANS:
-                    self.slopes = self._differences(every)
-                    jacobians, reach = jacobians + 1, 0.1
-        if robust:
-            return
-        for k in free:
-            if self.at_bound(k):
-                self.hold(k, float(min(self._low[k], self._high[k], key=lambda end: abs(end - self.place[k]))))
-        if self._moved > NEAR:
-            self.slopes, self._moved = self._differences(every), 0.0
-
-    def _step(self, free: list[int], reach: float) -> tuple[Array, float]:
-        """The step of the linear model within the bounds and the reach, and the reduction that it expects."""
-        weights = self._weights
-        slopes, residuals = weights[:, None] * self.slopes[:, free], weights * self.residuals
-        # The reach is that of the parameter with the largest influence; others may move farther.
-        influence = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
-        reaches = np.minimum(reach * influence.max() / influence, REACH[1])
-        low = np.maximum(self._low[free] - self.place[free], -reaches)
-        high = np.minimum(self._high[free] - self.place[free], reaches)
-        # `lsq_linear` requires a range of each unknown.
-        high = np.maximum(high, low + 1e-12)
-        rows = np.vstack([slopes, np.sqrt(DAMPING) * np.eye(len(free))])
-        found = lsq_linear(rows, np.concatenate([-residuals, np.zeros(len(free))]), (low, high), method="bvls")
-        own = np.clip(found.x, low, high)
-        after, step = residuals + slopes @ own, np.zeros(len(self.place))
-        step[free] = own
-        self._length = float((np.abs(own) * influence).max() / influence.max())
-        return step, float(residuals @ residuals - after @ after)
-
-    def _try(self, step: Array, total: float, expected: float) -> float:
-        """Solves at the end of a step, updates the derivatives, and moves there if it is better. Returns the actual reduction over
-        the expected one."""
-        place = np.clip(self.place + step, self._low, self._high)
-        states, found = self._at(place)
-        self.evaluations += 1
-        change = found - self.residuals - self.slopes @ step
-        change[(found == LOST) | (self.residuals == LOST)] = 0.0
-        self.slopes = self.slopes + np.outer(change, step) / float(step @ step)
-        reduction = total - self._loss(found)
-        if reduction > 0.0:
-            self.place, self.states, self.residuals = place, states, found
-            self._moved += self._length
-        return reduction / expected
+            self.place, self.states, self.residuals = self._move(np.where(np.arange(len(self.place)) == k, coordinate, self.place))
 
     def at_bound(self, k: int) -> bool:
-        return bool(min(self.place[k] - self._low[k], self._high[k] - self.place[k]) < AT_BOUND)
+        return bool(np.abs(self._bounds[:, k] - self.place[k]).min() < AT_BOUND)
+
+    def run(self, free: Sequence[int], waiting: Iterable[int] = (), robust: bool = False) -> None:
+        """Minimises the sum of squares over the free parameters, or a robust loss. The derivatives at the end are also those of the waiting parameters. A
+        robust search ends without them."""
+        every = [*free, *waiting]
+        for _ in range(MOST_SEARCHES):
+            found = self._search(list(free), robust)
+            if robust:
+                return
+            self.converged = found and self._near
+            if self._near or self.model.exhausted:
+                break
+            self._differentiate(every)
+        for k in filter(self.at_bound, free):
+            self.hold(k, float(min(self._bounds[:, k], key=lambda end: abs(end - self.place[k]))))
+        if not self._near:
+            self._differentiate(every)
+
+    @property
+    def _near(self) -> bool:
+        """Whether the place is within the range of the derivatives."""
+        return bool(np.abs(self.place - self._differentiated).max() <= NEAR)
+
+    def _search(self, free: list[int], robust: bool) -> bool:
+        """Searches from the place, with the derivatives there. Returns whether it reached a minimum."""
+        trial = self.place, self.states, self.residuals
+
+        def residuals(at: Array) -> Array:
+            nonlocal trial
+            place = self.place.copy()
+            place[free] = at
+            found = self.residuals
+            if np.abs(step := place - self.place).max() > 1e-9:
+                if self.model.exhausted:
+                    return np.full(len(found) + 1, np.inf)  # A step that is refused
+                trial = self._move(place)
+                self.evaluations += 1
+                found = trial[2]
+                change = found - self.residuals - self.slopes @ step
+                change[(found == LOST) | ~self.carried()] = 0.0
+                self.slopes = self.slopes + np.outer(change, step) / float(step @ step)
+            # A constant residual, of a standard deviation, makes the relative tolerance an absolute one for small residuals.
+            return np.append(self.kept * found, 1.0)
+
+        def slopes(at: Array) -> Array:
+            if np.array_equal(trial[0][free], at):
+                self.place, self.states, self.residuals = trial
+            return np.vstack([self.kept[:, None] * self.slopes[:, free], np.zeros(len(free))])
+
+        squares = self.kept * self.residuals**2
+        losses = _robust(squares)[0] if robust else squares
+        # Neither lost points nor outliers make the search coarse.
+        ftol = (COARSE if robust else TOLERANCE) * (1.0 + np.minimum(losses, MISFIT**2).sum()) / (1.0 + losses.sum())
+        found = least_squares(
+            residuals, self.place[free], slopes, self._bounds[:, free], loss=_robust if robust else "linear",
+            ftol=ftol, xtol=CHANGE, gtol=None, max_nfev=MOST_EVALUATIONS,
+        )  # fmt: skip
+        return bool(found.status > 0)

@@ -21,7 +21,7 @@ from pushbelt.tables.sheet import TableError, same
 from . import model as models
 from .fit import CONFIDENCE, Estimate, Fit, FitError, fit
 from .model import Model
-from .parameters import Parameter, ParameterError, Size, assign
+from .parameters import Parameter, ParameterError, additional, assign
 from .worker import Found, Job
 
 CHANCE = 0.01  # Probability that scatter is taken for a cause, and for a trend, over all tests
@@ -89,9 +89,7 @@ def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
             found.append(one._replace(values={**one.values, **more}))
         return found
 
-    found = Model(model.points, solve)
-    found.most_solves = model.most_solves
-    return found
+    return Model(model.points, solve, model.most_solves)
 
 
 # Causes
@@ -100,9 +98,9 @@ def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
 def columns(rig: Rig) -> dict[str, Array]:
     """Numbers that a table has for each point, by title: conditions, times, unknown columns, and the order of the rows."""
     sheet, rows = rig.sheet, rig.rows
-    known = {sheet.title(name): rig.values[name] for name in ("ratio.geometric", "ratio.speed", *REQUIRED, "time") if name in rig.values}
-    unknown = {title: column for title, column in sheet.others.items() if column.dtype != object}
-    return {**{title: column[rows] for title, column in {**known, **unknown}.items()}, ORDER: np.arange(len(rows), dtype=float)}
+    found = {sheet.title(name): rig.values[name] for name in ("ratio.geometric", "ratio.speed", *REQUIRED, "time") if name in rig.values}
+    found |= {title: column for title, column in sheet.others.items() if column.dtype != object}
+    return {**{title: column[rows] for title, column in found.items()}, ORDER: np.arange(len(rows), dtype=float)}
 
 
 def friction_over(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Cause:
@@ -121,7 +119,7 @@ def friction_over(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Caus
         value = values[FRICTION] + slope * away[point.line]
         return {**values, FRICTION: min(max(value, friction.low), friction.high)}, point
 
-    size = Size.over(f"slope of {FRICTION} over {own}", "1", friction.start / float(np.nanstd(column)))
+    size = additional(f"slope of {FRICTION} over {own}", "1", friction.start / float(np.nanstd(column)))
     return Cause(size, change, advice=f"{FRICTION} holds at the mean of {own}, {mean:.5g}")
 
 
@@ -149,10 +147,10 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
         found.append(Cause(size, change, tuple(columns), begin=begin))
 
     def add_weighted(name: str, unit: str, scale: float, weights: Mapping[str, Array | float], begin: float | None = None) -> None:
-        add(Size.over(name, unit, scale), lambda size: {name: values[name] - size * weight for name, weight in weights.items()}, (), begin)
+        add(additional(name, unit, scale), lambda size: {name: values[name] - size * weight for name, weight in weights.items()}, (), begin)
 
     def add_factor(name: str, powers: Mapping[str, Array | float]) -> None:
-        size = Parameter(name, (name,), "1", 1.0, 0.1, 10.0)
+        size = Parameter(name, (), "1", 1.0, 0.1, 10.0)
         # A deviation has the factor of its value.
         scaled = {name: (values[name], power) for name, power in powers.items()}
         for name, power in powers.items():
@@ -173,10 +171,10 @@ def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Caus
     speed, torque, force = (values[name] for name in REQUIRED)
     ratio = values.get("ratio.geometric", values.get("ratio.speed", np.ones(len(sheet))))
     name, driving = sheet.title("primary.torque"), np.sign(torque)
-    power = Size.over(f"power of the ratio in {name} (1: it is that of the other shaft)", "1", 2.0)
+    power = additional(f"power of the ratio in {name} (1: it is that of the other shaft)", "1", 2.0)
     add(power, lambda size: {"primary.torque": torque / ratio**size})
     if "efficiency" in taken:
-        pump = Size.over(f"torque of a pump or gear in {name} and the efficiency", "N.m", rms["primary.torque"])
+        pump = additional(f"torque of a pump or gear in {name} and the efficiency", "N.m", rms["primary.torque"])
         add(pump, lambda size: {
             "primary.torque": torque - size, "efficiency": values["efficiency"] * np.abs(torque / (torque - size)) ** driving
         })  # fmt: skip
@@ -239,11 +237,10 @@ def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found:
     for name in FIELDS:
         own = np.array([getattr(point, name) for point in model.points], dtype=float)
         if np.nan_to_num(own).any():
-            size = Size.over(name, "1", float(np.sqrt(np.nanmean(own**2))))
+            size = additional(name, "1", float(np.sqrt(np.nanmean(own**2))))
             conditions.append(Cause(size, partial(moved, name)))
     sizes, at = [one.size for one in conditions], np.zeros(len(conditions))
     by_condition = with_causes(model, conditions).slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after)
-    by_friction = [(one, own[: len(place)]) for one, own in zip(parameters, found.slopes.T, strict=True) if one.name == FRICTION]
     slopes = np.zeros((len(found.residuals), len(some)))
     residuals = _bounded(found)[: len(place)]
     old = np.array([one.value for point in model.points for one in point.measured])
@@ -254,20 +251,17 @@ def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found:
         for one, own in zip(sizes, by_condition.T, strict=True):
             pairs = ((getattr(new, one.name), getattr(point, one.name)) for (_, new), point in zip(jobs, model.points, strict=True))
             column += own * np.array([one.coordinate((after or 0.0) - (before or 0.0)) for after, before in pairs])[place]
-        for one, own in by_friction:
-            column += own * np.array([one.coordinate(values[FRICTION]) - one.coordinate(fixed[FRICTION]) for values, _ in jobs])[place]
+        for one, own in zip(parameters, found.slopes.T, strict=True):
+            if one.name == FRICTION:
+                column += own[: len(place)] * np.array([one.coordinate(values[FRICTION]) - one.coordinate(fixed[FRICTION]) for values, _ in jobs])[place]
         slopes[: len(place), k] = column / models.STEP
     return slopes
 
 
-def _limit(found: Fit, scatter: float) -> float:
-    """Largest residual that counts in full: that of an outlier among so many."""
-    return float(student.isf(0.5 * (1.0 - CONFIDENCE) / len(found.kept), len(found.kept))) * max(scatter, 1.0)
-
-
-def _bounded(found: Fit) -> Array:
-    """Residuals without the excess of outliers."""
-    limit = _limit(found, found.rms[1])
+def _bounded(found: Fit, scatter: float | None = None) -> Array:
+    """Residuals without the excess of outliers among so many, with this scatter or that of the fit."""
+    count = len(found.kept)
+    limit = float(student.isf(0.5 * (1.0 - CONFIDENCE) / count, count)) * max(scatter or found.rms[1], 1.0)
     return np.clip(found.residuals, -limit, limit)
 
 
@@ -306,7 +300,7 @@ def search(rig: Rig, model: Model, parameters: Sequence[Parameter], found: Fit) 
     scatter = max(min((one.rms[1] for _, one in fits), default=1.0), 1.0)
 
     def loss(one: Fit) -> float:
-        return float(np.sum((np.minimum(np.abs(one.residuals[: len(one.kept)]), _limit(one, scatter)) / scatter) ** 2))
+        return float(np.sum((_bounded(one, scatter)[: len(one.kept)] / scatter) ** 2))
 
     freedom = max(len(found.kept) - len(parameters) - 1, 1)
     better = loss(found) - student.isf(0.5 * CHANCE / len(some), freedom) ** 2

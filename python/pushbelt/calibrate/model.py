@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -36,8 +36,8 @@ CHUNK = 6  # Number of points per job of a process
 class Model:
     """Residuals as functions of the parameters."""
 
-    def __init__(self, points: Sequence[Point], solve: Callable[[Sequence[Job]], list[Found]]) -> None:
-        """`solve` solves jobs: values of variables, and a point."""
+    def __init__(self, points: Sequence[Point], solve: Callable[[Sequence[Job]], list[Found]], most_solves: float = np.inf) -> None:
+        """`solve` solves jobs: values of variables, and a point. A search ends after `most_solves` solutions."""
         self.points, self.solve = tuple(points), solve
         rows = [
             {"point": place, **vars(point), **vars(one), "near": None, "measured": one.value, "sd": one.deviation, "key": one.key or one.quantity}
@@ -49,19 +49,18 @@ class Model:
         """A row for each measured value, SI, in the order of the table: its point, and standard deviation `sd`."""
         self.deviations = self.values["sd"].to_numpy()
         self.solves = 0  # Number of steady states and recorded shifts solved so far
-        self.most_solves = np.inf  # Number of them after which a search ends
+        self.most_solves = most_solves
         self._last = 0  # Number of those of all points with one set of values
 
-    def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
-        """Results of the model at all points, for several sets of values."""
-        found, count = self._count([(values, point) for values in assignments for point in self.points]), len(self.points)
-        self._last = sum(one.solves for one in found[-count:])
-        # Slip and steady state of the last set of values are good estimates for the next one.
+    def states(self, values: Mapping[str, float]) -> list[Found]:
+        """Results of the model at all points with these values."""
+        found = self._count([(values, point) for point in self.points])
+        self._last = sum(one.solves for one in found)
+        # Slip and steady state of the last values are good estimates for the next ones.
         self.points = tuple(
-            replace(point, slip=one.values.get("slip", point.slip), near=one.near or point.near)
-            for point, one in zip(self.points, found[-count:], strict=True)
+            replace(point, slip=one.values.get("slip", point.slip), near=one.near or point.near) for point, one in zip(self.points, found, strict=True)
         )
-        return [found[k * count : (k + 1) * count] for k in range(len(assignments))]
+        return found
 
     @property
     def exhausted(self) -> bool:
@@ -102,35 +101,31 @@ class Model:
         """Derivatives of the residuals with respect to the coordinates, one column per parameter: differences over `width` to both sides. A steady
         state may jump to another branch between two values of a parameter. Such a jump is not a slope. If the two one-sided slopes
         contradict each other, the smallest of both and their mean is used. A lost point has no slope."""
-        carried, middle = [place for place, found in enumerate(base) if found.reason is None], self.column(base)
+        carried, lost = [place for place, found in enumerate(base) if found.reason is None], Found({})
+        jobs: dict[tuple[int, float, int], Job] = {}
+        for k, parameter in enumerate(parameters):
+            for step in (width, -width):
+                if parameter.bounds[0] <= at[k] + step <= parameter.bounds[1]:
+                    values = {**fixed, **assign(parameters, at + step * (np.arange(len(at)) == k))}
+                    jobs |= {(k, step, place): (values, self.points[place]) for place in carried}
+        moved = dict(zip(jobs, self._count(list(jobs.values())), strict=True))
 
-        def differences(side: int) -> Array:
+        def differences(step: float) -> Array:
             """One-sided slopes of the model values; NaN where nothing was solved, also where a step would leave the bounds."""
-            jobs: dict[tuple[int, int], Any] = {}
-            steps = []
-            for k, parameter in enumerate(parameters):
-                low, high = parameter.bounds
-                inside = [step for step in (width, -width) if low <= at[k] + step <= high][side : side + 1]
-                steps.append(inside[0] if inside else np.nan)
-                values = {**fixed, **assign(parameters, at + steps[k] * (np.arange(len(at)) == k))} if inside else {}
-                jobs |= {(k, place): (values, self.points[place]) for place in carried if inside}
-            moved = dict(zip(jobs, self._count(list(jobs.values())), strict=True))
-            lost = Found({})
-            columns = [self.column([moved.get((k, place), lost) for place in range(len(self.points))]) for k in range(len(at))]
-            return (np.transpose(columns) - middle[:, np.newaxis]) / steps
+            columns = [self.column([moved.get((k, step, place), lost) for place in range(len(self.points))]) for k in range(len(at))]
+            return (np.transpose(columns) - self.column(base)[:, np.newaxis]) / step
 
-        return _agreed(differences(0), differences(1)) / self.deviations[:, np.newaxis]
+        return _agreed(differences(width), differences(-width)) / self.deviations[:, np.newaxis]
 
 
 def _agreed(one: Array, other: Array) -> Array:
     """Mean of the slopes to both sides, or the available one, else 0. If they contradict each other, one state is on another branch.
     If it is an outer one, the smaller slope is correct; if it is the middle one, their mean is. So the smallest is used."""
     one, other = np.where(np.isfinite(one), one, other), np.where(np.isfinite(other), other, one)
-    mean = 0.5 * (one + other)
-    smallest = np.where(np.abs(one) < np.abs(other), one, other)
-    smallest = np.where(np.abs(mean) < np.abs(smallest), mean, smallest)
+    every = np.array([0.5 * (one + other), one, other])
+    smallest = np.take_along_axis(every, np.abs(np.nan_to_num(every)).argmin(axis=0)[None], axis=0)[0]
     contradicting = np.abs(one - other) > CONTRADICTION * np.maximum(np.abs(one), np.abs(other))
-    return np.nan_to_num(np.where(contradicting, smallest, mean))
+    return np.nan_to_num(np.where(contradicting, smallest, every[0]))
 
 
 def plain(value: float | None, digits: int = 5, none: str = "") -> str:
@@ -184,7 +179,5 @@ def opened(fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], 
             calls: list[Call] = [(solve_all, (fmu, archive.directory, dict(parameters), chunk)) for chunk in chunks]
             return [state for chunk in run(calls, update) for state in chunk]
 
-        model = Model(points, solve)
-        model.most_solves = LONGEST * expected
-        yield model
+        yield Model(points, solve, LONGEST * expected)
         bar.total = bar.n

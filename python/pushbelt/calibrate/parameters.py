@@ -21,27 +21,28 @@ class ParameterError(PushbeltError, ValueError):
 class Parameter:
     """A parameter, or a common parameter of both pulleys with one value.
 
-    The fitted coordinate is ln(value/start) if the lower bound is above 0, else value/start.
+    The fitted coordinate is ln(value/start) if the lower bound is above 0, else value/start, or value/scale.
     """
 
     name: str  # Name as specified
-    variables: tuple[str, ...]  # Variables of the FMU that are set to the value
+    variables: tuple[str, ...]  # Variables of the FMU that are set to the value; none for a size that the FMU does not have
     unit: str
     start: float
     low: float
     high: float
     prior: tuple[float, float] | None = None  # Value and standard deviation that are known without the table
+    scale: float | None = None
 
     @property
     def logarithmic(self) -> bool:
         return self.low > 0.0
 
     def coordinate(self, value: float) -> float:
-        return math.log(value / self.start) if self.logarithmic else value / self.start
+        return math.log(value / self.start) if self.logarithmic else value / (self.scale or self.start)
 
     def value(self, coordinate: float) -> float:
         """Value at a coordinate, within the bounds."""
-        value = self.start * math.exp(coordinate) if self.logarithmic else self.start * coordinate
+        value = self.start * math.exp(coordinate) if self.logarithmic else (self.scale or self.start) * coordinate
         return min(max(value, self.low), self.high)
 
     @property
@@ -54,22 +55,9 @@ class Parameter:
         return tuple(sorted((self.value(coordinate - half), self.value(coordinate + half))))  # type: ignore[return-value]
 
 
-@dataclass(frozen=True)
-class Size(Parameter):
-    """A size that the FMU does not have and that starts at 0, such as an offset of a channel. The coordinate is value/`scale`."""
-
-    scale: float = 1.0
-
-    @classmethod
-    def over(cls, name: str, unit: str, scale: float) -> Size:
-        """A size of at most its scale."""
-        return cls(name, (name,), unit, 0.0, -scale, scale, scale=scale)
-
-    def coordinate(self, value: float) -> float:
-        return value / self.scale
-
-    def value(self, coordinate: float) -> float:
-        return min(max(coordinate * self.scale, self.low), self.high)
+def additional(name: str, unit: str, scale: float) -> Parameter:
+    """A size that the FMU does not have and that starts at 0, such as an offset of a channel; at most its scale."""
+    return Parameter(name, (), unit, 0.0, -scale, scale, scale=scale)
 
 
 def choose(
@@ -113,6 +101,6 @@ def _parameter(
 
 
 def assign(parameters: Sequence[Parameter], coordinates: Iterable[float]) -> dict[str, float]:
-    """Values of the FMU's variables at these coordinates."""
+    """Values of the FMU's variables, and of sizes by name, at these coordinates."""
     pairs = zip(parameters, coordinates, strict=True)
-    return {variable: one.value(float(coordinate)) for one, coordinate in pairs for variable in one.variables}
+    return {variable: one.value(float(coordinate)) for one, coordinate in pairs for variable in one.variables or (one.name,)}

@@ -102,7 +102,7 @@ def plan(model: Model, known: int, parameters: Sequence[Parameter], values: Mapp
     at most `USED` of the belt's capacity. `values` are parameters of the variator. Raises PlanError if there are too few places, or if they
     determine none of the parameters."""
     at = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
-    (states,) = model.states([assign(parameters, at)])
+    states = model.states(assign(parameters, at))
     assumed = [QUANTITIES[q].assumed(value) if q in STEADY else np.nan for q, value in zip(model.values["quantity"], model.column(states), strict=True)]
     model.deviations = np.where(np.isnan(model.deviations), assumed, model.deviations)
     slopes, owner = model.slopes(parameters, {}, at, states, WIDTH), model.values["point"].to_numpy()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from pushbelt import tables
-from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.untrusted import described
 from pushbelt.report import page
 from pushbelt.report.charts import Chart, Panel, Series, around
@@ -25,7 +24,6 @@ from . import fit, model, worker
 from .fit import Estimate, Fit
 from .misfit import Trend
 from .model import Model, Score, of, plain, quantities, score
-from .parameters import Size
 
 SURE = 2.0  # Half-width of the shaded band, in standard deviations
 LEAST_REACH = 3.0  # Least reach of the axis of residuals, in standard deviations
@@ -34,7 +32,6 @@ FAR = 6.0
 INSET = 0.02  # Distance of the marks of outliers from the border, as a share of the axis
 LOOKS: tuple[dict[str, Any], ...] = ({"colour": BLUE, "size": 7}, {"colour": MUTED, "marker": "circle-open", "size": 6, "opacity": 0.8})
 """Looks of the leading set and of the other one."""
-ARROWS = {(0, 1): "triangle-up", (0, -1): "triangle-down", (1, 0): "triangle-right", (-1, 0): "triangle-left"}
 Range = tuple[float, float]
 Sets = Mapping[str, pd.DataFrame]
 Text = Callable[[Any], str]
@@ -63,18 +60,16 @@ def chart(quantity: str, sets: Sets) -> Chart:
     line = Series("model as measured", ends, ends, ORANGE, width=1.0)
     series, note = _inside(sets, "measured", "found", x_range, y_range, lambda row: f"{_brief(row.measured)}, model {_brief(row.found)}")
     title = f"{quantity}: model over measurement"
-    compared = Panel(title, [line, *series], "measured", "model", x_range=x_range, y_range=y_range, height=270, note=note)
-    over = [_over(sets, label, across, 1.15 * most) for label, across in (("torque, N·m", "torque"), ("ratio", "at"))]
-    return Chart([compared, *over], f"Residuals of {quantity}", columns=3, common_legend=True)
-
-
-def _over(sets: Sets, label: str, across: str, most: float) -> Panel:
-    places = pd.concat([rows[across] for rows in sets.values()])
-    span = around([(places.min() - 1e-3, places.max() + 1e-3)])
-    series, note = _inside(sets, across, "relative", span, (-most, most), lambda row: _brief(row.relative))
-    sure = Series(f"within {SURE:g}", span, (-SURE, -SURE), BLUE, "band", upper=(SURE, SURE), opacity=0.1)
-    title = "Residual, standard deviations"
-    return Panel(title, [sure, *series], label, x_range=span, y_range=(-most, most), height=270, note=note)
+    panels = [Panel(title, [line, *series], "measured", "model", x_range=x_range, y_range=y_range, height=270, note=note)]
+    y_range = (-1.15 * most, 1.15 * most)
+    for label, across in (("torque, N·m", "torque"), ("ratio", "at")):
+        places = pd.concat([rows[across] for rows in sets.values()])
+        span = around([(places.min() - 1e-3, places.max() + 1e-3)])
+        series, note = _inside(sets, across, "relative", span, y_range, lambda row: _brief(row.relative))
+        sure = Series(f"within {SURE:g}", span, (-SURE, -SURE), BLUE, "band", upper=(SURE, SURE), opacity=0.1)
+        title = "Residual, standard deviations"
+        panels.append(Panel(title, [sure, *series], label, x_range=span, y_range=y_range, height=270, note=note))
+    return Chart(panels, f"Residuals of {quantity}", columns=3, common_legend=True)
 
 
 def _inside(sets: Sets, x: str, y: str, x_range: Range, y_range: Range, text: Text) -> tuple[list[Series], str]:
@@ -84,35 +79,19 @@ def _inside(sets: Sets, x: str, y: str, x_range: Range, y_range: Range, text: Te
     low, high = np.array([x_range, y_range]).T[:, :, None]
     for k, (name, rows) in reversed(list(enumerate(sets.items()))):
         at = rows[[x, y]].to_numpy(dtype=float).T
-        sides = np.sign(at - np.clip(at, low, high)).astype(int)
-        beyond = sides.any(axis=0)
-        series.append(Series(name, *at[:, ~beyond], **{"kind": "points", "labels": _labels(rows[~beyond]), **LOOKS[k]}))
-        if k == 0:
+        beyond = ((at < low) | (at > high)).any(axis=0)
+        labels = rows["name"].where(rows["name"] != "", "line " + rows["line"].astype(str))
+        series.append(Series(name, *at[:, ~beyond], **{"kind": "points", "labels": list(labels[~beyond]), **LOOKS[k]}))
+        if k == 0 and beyond.any():
             inset = INSET * (high - low)
-            series += _marked(name, rows, np.clip(at, low + inset, high - inset), sides, sum(x_range) / 2, text)
+            border = np.clip(at, low + inset, high - inset)[:, beyond]
+            texts = [text(row) for row in rows[beyond].itertuples()]
+            sides = np.where(border[0] < sum(x_range) / 2, "middle right", "middle left").tolist()
+            more = {"labels": list(labels[beyond] + ": " + texts), "texts": texts, "text_sides": sides, "marker": "diamond", "size": 10}
+            series.append(Series(name, *border, **{**LOOKS[0], "kind": "points", **more}))
         elif beyond.any():
             notes.append(f"{beyond.sum()} values of {name} are outside the figure.")
     return series, " ".join(notes)
-
-
-def _labels(rows: pd.DataFrame) -> list[str]:
-    return [row.name or f"line {row.line}" for row in rows.itertuples()]
-
-
-def _marked(name: str, rows: pd.DataFrame, border: Array, sides: Array, middle: float, text: Text) -> Iterator[Series]:
-    """Arrows at the border, with values beside them, every other one further inside."""
-    for (right, up), marker in ARROWS.items():
-        chosen = np.flatnonzero((sides[1] == up) & ((sides[0] == right) | (up != 0)))
-        chosen = chosen[np.argsort(border[0, chosen])]
-        if chosen.size:
-            inside = {0: "", 1: "bottom center", -1: "top center"}[up]
-            beside = ["middle right" if x < middle else "middle left" for x in border[0, chosen]]
-            texts = [text(row) for row in rows.iloc[chosen].itertuples()]
-            yield Series(
-                name, border[0, chosen], border[1, chosen], texts=texts, **{**LOOKS[0], "kind": "points", "marker": marker, "size": 10},
-                labels=[": ".join(pair) for pair in zip(_labels(rows.iloc[chosen]), texts, strict=True)],
-                text_sides=[inside if inside and k % 2 else side for k, side in enumerate(beside)],
-            )  # fmt: skip
 
 
 class Results:
@@ -171,8 +150,8 @@ def write_parameters(results: Results, path: Path) -> None:
         if estimate.interval is not None:
             entry["interval95"] = list(estimate.interval)
         if parameter.name == "friction.pulley" and results.laws:
-            entry["note"] = "; ".join([*results.laws, *(sentence(one) for one in results.fit.estimates if isinstance(one.parameter, Size))])
-        for name in () if isinstance(parameter, Size) else parameter.variables:
+            entry["note"] = "; ".join([*results.laws, *(sentence(one) for one in results.fit.estimates if not one.parameter.variables)])
+        for name in parameter.variables:
             kept = {"value": results.base.get(name, parameter.start), "origin": "start"}
             entries[name] = entry if estimate.undetermined is None else kept
     document = {
@@ -238,13 +217,12 @@ def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]],
     """Scores of sets by name on a table, by quantity and set: the first one, and those for comparison. Writes report.html, holdout.csv,
     holdout.json and residuals.csv."""
     with model.opened(fmu, {}, rig.points, workers, len(parameters) * len(rig.points)) as opened:
-        sets = dict(zip(parameters, map(opened.rows, opened.states(list(parameters.values()))), strict=True))
+        sets = {name: opened.rows(opened.states(values)) for name, values in parameters.items()}
     first = next(iter(sets.values()))
     scores = [score(own, quantity, name) for quantity in quantities(first) for name, own in sets.items()]
     folder.mkdir(parents=True, exist_ok=True)
     tables.write(folder / "holdout.csv", SCORES, scores)
-    document = [{name: None if value != value else value for name, value in one._asdict().items()} for one in scores]
-    (folder / "holdout.json").write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
+    pd.DataFrame(scores).to_json(folder / "holdout.json", orient="records", double_precision=15, indent=2)
     header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in sets)]
     columns = [first[name] for name in ("line", "name", "time", "quantity", "measured", "sd")]
     tables.write_frame(folder / "residuals.csv", header, pd.concat([*columns, *(rows["found"] for rows in sets.values())], axis=1))
