@@ -133,7 +133,6 @@ HEADERS = {
     **{name: [titles.split(";")] for name, _, titles in (line.partition(": ") for line in HEADS)},
     "description, units": [COLUMNS, DESCRIPTIONS, UNITS],
     "description above": [DESCRIPTIONS, COLUMNS, UNITS],
-    "channels, units": [COLUMNS, ["channel", *range(1, 7)], UNITS],
     "units above": [UNITS, COLUMNS],
     "letters of which three are units, units": [COLUMNS, ["calc", *"PSPSSP"], UNITS],
     "titles that span two rows": [["i_geo", *["Primary", "", "Secondary", ""], "F_S", "F_P"], ["", "n", "T", "n", "T", "", ""],
