@@ -24,9 +24,9 @@ def write_whole(path: Path, contents: bytes) -> None:
 
 
 def copy_archive(
-    archive: Path, copy: Path, changed: Mapping[str, Callable[[bytes], bytes]], added: Mapping[str, bytes]
+    archive: Path, copy: Path, changed: Mapping[str, Callable[[bytes], bytes]], added: Mapping[str, bytes | None]
 ) -> None:
-    """Writes a copy of an archive with changed files, and with others added or replaced. `copy` may be the archive."""
+    """Writes a copy of an archive with changed files, and with others added or replaced; None removes one. `copy` may be the archive."""
     whole = io.BytesIO()
     with zipfile.ZipFile(archive) as source, zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as target:
         for entry in source.infolist():
@@ -34,5 +34,6 @@ def copy_archive(
                 content = source.read(entry)
                 target.writestr(entry, changed[entry.filename](content) if entry.filename in changed else content)
         for name, new in added.items():
-            target.writestr(name, new)
+            if new is not None:
+                target.writestr(name, new)
     write_whole(copy, whole.getvalue())

@@ -96,6 +96,20 @@ def test_events_that_do_not_occur_are_shown() -> None:
     assert [event.name for event in found if not event.occurred] == ["Recovery"], "persistent slip"
 
 
+def test_push_force_must_build_up_and_decay() -> None:
+    curve = data.curve_of(BENCH, 0.0)
+    position = np.linspace(0.0, curve.length, 500)
+
+    def passes(*at_borders: float) -> bool:
+        fields = [np.interp(position, curve.borders, at_borders), *[np.zeros(500)] * 5]
+        state = SteadyState({"reference.theta": 0.0}, Profile(position, *fields), 0.0)
+        return events._push_force_gains((LoadCaseResult(LoadCase("medium", 0.0, 100.0, 1e4), state, 0.0),), BENCH).passed
+
+    assert passes(5e2, 0.0, 0.0, 1e3, 1e3, 5e2)
+    assert not passes(5e2, 0.0, 1.3e3, 1e3, 1e3, 5e2), "it only decays"
+    assert not passes(5e2, 1.3e3, 0.0, 1e3, 1e3, 5e2), "it only builds up"
+
+
 def test_numbers_are_set_as_in_print() -> None:
     assert page.number(-1234.5, 1) == "−1\u202f234.5"
     assert page.number(-0.001, 1) == "0.0"
@@ -109,9 +123,9 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert re.findall(r'<h2 id="(\w+)">', report) == ["manoeuvre", "cases", "belt", "checks", "sources", "limits"]
     assert report.index('<div class="facts">') < report.index("<h2") < report.index('<div class="belt"')
     assert report.index('<div class="belt"') < report.index('<div class="panel">') < report.index('id="cases"')
-    assert re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report) == [("checks", "", "6 of 6 hold")]
+    assert re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report) == [("checks", "", "8 of 8 hold")]
     verdicts = re.findall(r'class="(?:tick|cross)"[^>]*>(.)</span><span>([^<]*)', report.split('id="checks"')[1].split('id="sources"')[0])
-    assert len(verdicts) == 6
+    assert len(verdicts) == 8
     # Most events come after the first second. They are not listed.
     assert "✗" not in report and events.OVERLOAD not in report and "Launch in underdrive" in report
     # Load cases, manoeuvre, fields of a load case; the belt over time and in a steady state.

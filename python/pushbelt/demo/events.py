@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.fmu.data import manoeuvre_inputs
-from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.data import curve_at, is_chain, manoeuvre_inputs
+from pushbelt.fmu.geometry import EDGE, Array
 from pushbelt.fmu.results import LoadCaseResult, Trace, intervals
 from pushbelt.report.page import Check
 from pushbelt.report.style import RPM
@@ -139,6 +139,15 @@ def power_imbalance(result: LoadCaseResult) -> float:
     return (sum(powers) - state["loss.total"]) / max(powers)
 
 
+def push_strand_spread(result: LoadCaseResult, parameters: Mapping[str, float]) -> float:
+    """Spread of the push force in the lower strand, relative to its mean."""
+    profile = result.steady.profile
+    *_, start, end, _ = curve_at(parameters, result.steady).borders
+    inside = (profile.position > start + EDGE) & (profile.position < end - EDGE)
+    force = profile.push_force[inside]
+    return float(np.ptp(force) / force.mean()) if force.size and force.mean() > 0.0 else float("inf")
+
+
 def energy_bound(trace: Trace) -> Array:
     """Bound of the energy residual: 0.2 % of the energy moved and 0.1 % of the largest stored energy, J."""
     step = np.diff(trace.time, prepend=trace.time[0])
@@ -158,6 +167,15 @@ def _order(cases: tuple[LoadCaseResult, ...]) -> Check:
     return Check(statement, bool((np.diff(table, axis=0) > 0.0).all()), f"{found} (means over the torques)")
 
 
+def _push_force_gains(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str, float]) -> Check:
+    profiles = [(curve_at(parameters, r.steady), r.steady.profile) for r in cases]
+    gains = [curve.push_force_gains(profile.position, profile.push_force) for curve, profile in profiles]
+    built_up, decayed = [primary for primary, _, _ in gains], [-secondary for _, _, secondary in gains]
+    found = f"by {min(built_up):.0f} to {max(built_up):.0f} N, by {min(decayed):.0f} to {max(decayed):.0f} N"
+    statement = "Push force builds up in the primary arc and decays in the secondary arc"
+    return Check(statement, min(*built_up, *decayed) > 0.0, found)
+
+
 def _manoeuvre(trace: Trace) -> list[Check]:
     residual, bound, events = np.abs(trace["energy.residual"]), energy_bound(trace), detect(trace)
     missing = [event.name for event in events if not event.occurred]
@@ -170,12 +188,17 @@ def _manoeuvre(trace: Trace) -> list[Check]:
 
 
 def evaluate(results: DemoResults) -> list[Check]:
-    cases = results.cases
-    slips = "Slip lies between 0 and 4 %, the largest measured in underdrive"
+    cases, parameters = results.cases, results.parameters
+    constant, slips = "Push force is constant in the push strand within 1 %", "Slip lies between 0 and 4 %, the largest measured in underdrive"
     closed = "Losses sum to the net power of both shafts within 0.2 % of the driving power"
     persist = "Steady states persist when the simulation continues"
+    of_stack = [
+        _push_force_gains(cases, parameters),
+        _cases(constant, [(r, 100 * push_strand_spread(r, parameters)) for r in cases], 0.0, 1.0, " % spread"),
+    ]
     return [
         _order(cases),
+        *([] if is_chain(parameters) else of_stack),
         _cases(slips, [(r, 100 * r.steady["slip"]) for r in cases], 0.0, 4.0, " %"),
         _cases(closed, [(r, 100 * abs(power_imbalance(r))) for r in cases], 0.0, 0.2, " %"),
         _cases(persist, [(r, 100 * abs(r.drift)) for r in cases], 0.0, 0.1, " % of the thrust ratio"),
