@@ -16,9 +16,9 @@ from pushbelt.fmu.geometry import Array
 def check_ranges(one: object, what: str, ranges: Mapping[str, tuple[float, float, str]]) -> None:
     """Raises ValueError for the first attribute outside its range, which is in SI units or in MPa."""
     for name, (low, high, unit) in ranges.items():
-        value = getattr(one, name) * (1e-6 if unit == " MPa" else 1.0)
+        value, shown = getattr(one, name) * (1e-6 if unit == " MPa" else 1.0), f" {unit.strip()}".rstrip()
         if not low <= value <= high:
-            raise ArgumentError(f"{name} of {what}: {value:g}{unit} is not within {low:g} to {high:g}{unit}")
+            raise ArgumentError(f"{name} of {what}: {value:g}{shown} is not within {low:g} to {high:g}{shown}")
 
 
 def _of(default: float, low: float, high: float, unit: str, text: str) -> Any:

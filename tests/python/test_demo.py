@@ -17,7 +17,7 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu import data
 from pushbelt.fmu.geometry import primary_radius, theta_of
 from pushbelt.fmu.load_cases import NotFoundError, solve
-from pushbelt.fmu.results import Trace
+from pushbelt.fmu.results import LoadCase, LoadCaseResult, Profile, SteadyState, Trace
 from pushbelt.report import page
 
 BENCH = data.parameter_set("bench168")
