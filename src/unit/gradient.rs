@@ -11,8 +11,8 @@ use crate::fmi::unit::Unit;
 use crate::variator::run::SteadyTangent;
 use crate::variator::settings::{INPUTS, Readings};
 
-/// Relative step of the central differences on the tangent. Half and twice: no derivative changes
-/// by 1e-4 of the largest of its output.
+/// Relative step of the central differences on the tangent. With a tenth, rounding changes small
+/// derivatives by 1 %; with ten times, curvature some by 5 %.
 const STEP: f64 = 1.0e-5;
 
 /// Parts of names of outputs without a derivative: extremes over the belt, ends of arcs, and work,

@@ -53,7 +53,7 @@ impl SteadyTangent {
         of.given = *inputs;
         of.state = of.cold_state(&of.wanted_start()).ok()?;
         let task = of.steady_task(of.clamped().other(), 1.0);
-        if !self.near.move_to(&of.system.belt, &mut of.state, &task) {
+        if !self.near.move_to(&of.system.belt, &mut of.state, &task.shaft) {
             return None;
         }
         self.tangent.settle(&mut of.system, &mut of.state, &task).ok()?;
@@ -98,7 +98,7 @@ impl Simulation {
         if let Some(why) = excessive_speed(parameters, &self.given, ratio, speed) {
             return Err(NoSteadyState::Hopeless(why));
         }
-        let free = [parameters.primary.axial, parameters.secondary.axial] == [Axial::Force; 2];
+        let free = !parameters.holds_a_sheave();
         let balance = self.balances();
         let demand = TorqueDemand::new(parameters, &self.given, clamped, ratio, speed);
         let whole = self.steady_task(clamped.other(), 1.0);
@@ -136,8 +136,7 @@ impl Simulation {
     /// Whether both clamping forces are given, and the ratio follows.
     pub fn balances(&self) -> bool {
         let parameters = &self.system.parameters;
-        let forces = [parameters.primary.axial, parameters.secondary.axial] == [Axial::Force; 2];
-        forces && parameters.initial.equilibrium
+        !parameters.holds_a_sheave() && parameters.initial.equilibrium
     }
 
     /// Speed of the primary pulley in the present state, rad/s.

@@ -104,8 +104,12 @@ impl Variator {
     /// which takes a tenth of the work where they differ by some per cent. Otherwise, and where
     /// they differ by more, the start is as without.
     pub fn start_near(&mut self, other: &Self) {
-        let starts = other.start_state == StartState::Steady && other.counts().steps == 0;
-        self.simulation.near = starts.then(|| other.simulation.neighbour()).flatten();
+        self.simulation.near = other.is_steady_start().then(|| other.simulation.neighbour()).flatten();
+    }
+
+    /// Whether this is the start of a run from a steady state at the given loads.
+    fn is_steady_start(&self) -> bool {
+        self.start_state == StartState::Steady && self.counts().steps == 0
     }
 
     /// The steady state from which the run starts, with its tangent. None where there is none: it is
@@ -113,9 +117,10 @@ impl Variator {
     /// through or is pressed against a stop.
     #[must_use]
     pub fn tangent(&self) -> Option<SteadyTangent> {
-        let starts = self.start_state == StartState::Steady && self.counts().steps == 0;
         let grips = !self.macro_slip && !self.simulation.energy.last.sums.past_peak();
-        (starts && grips).then(|| self.simulation.tangent()).flatten()
+        (self.is_steady_start() && grips)
+            .then(|| self.simulation.tangent())
+            .flatten()
     }
 
     /// Whether the start is in equilibrium of both clamping forces, and not at a held ratio.

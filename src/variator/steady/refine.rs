@@ -4,9 +4,8 @@
 //! A mesh with half the elements and one cell in each gives nearly the same result, and its
 //! Jacobian costs a quarter.
 
-use super::solve::SteadyTask;
 use super::{FEWEST_ON_ARC, FEWEST_ON_STRAND};
-use crate::pulley::Pulley;
+use crate::pulley::{PerPulley, Pulley};
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
 use crate::solver::State;
@@ -80,9 +79,9 @@ pub struct Neighbour {
 
 impl Neighbour {
     /// Moves the kinematic state of another belt near its steady one: the difference between the
-    /// kinematic states is added, and speeds that the task gives are kept. Returns whether it can;
-    /// the belts may differ in parameters and in the number of elements.
-    pub fn move_to(&self, belt: &Belt, state: &mut State, task: &SteadyTask) -> bool {
+    /// kinematic states is added, and fixed speeds of shafts are kept. Returns whether it can; the
+    /// belts may differ in parameters and in the number of elements.
+    pub fn move_to(&self, belt: &Belt, state: &mut State, shaft: &PerPulley<ShaftMode>) -> bool {
         let Self {
             belt: of,
             kinematic,
@@ -105,7 +104,7 @@ impl Neighbour {
             state.y[belt.layout.belt_speed(cell)] *= faster;
         }
         for pulley in Pulley::BOTH {
-            if task.shaft[pulley] == ShaftMode::Fixed {
+            if shaft[pulley] == ShaftMode::Fixed {
                 let speed = belt.layout.shaft_speed(pulley);
                 state.y[speed] = other.y[speed];
             }

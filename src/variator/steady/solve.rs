@@ -102,7 +102,7 @@ impl SteadySolver<'_> {
         task: &SteadyTask,
         near: &Neighbour,
     ) -> Result<(), NotSteady> {
-        if !near.move_to(&self.system.belt, state, task) {
+        if !near.move_to(&self.system.belt, state, &task.shaft) {
             return Err(NotSteady::default());
         }
         let task = SteadyTask { warm: true, ..*task };
