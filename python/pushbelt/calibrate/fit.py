@@ -99,7 +99,7 @@ def fit(model: Model, parameters: Sequence[Parameter], begin: Array | None = Non
         raise FitError(f"{why}. Are forces and torques in the units of the table, or in pounds?")
     search = Search(model, parameters, place, states)
     # Directions that the data hardly see take most steps of a search, so their parameters wait until the others are fitted.
-    waiting, again = _weak(search.slopes), True
+    waiting, again = weak_parameters(search.slopes), True
     _leave_out(search, [k for k in range(len(parameters)) if k not in waiting])
     while True:
         left = [k for k in range(len(parameters)) if k not in given_up]
@@ -164,18 +164,18 @@ def _carrying(model: Model, parameters: Sequence[Parameter], start: Array, state
     return place, states
 
 
-def _weak(slopes: Array) -> frozenset[int]:
+def weak_parameters(slopes: Array) -> frozenset[int]:
     """Parameters that the derivatives do not determine with the given standard deviations; at least one remains."""
     free, found = list(range(slopes.shape[1])), set()
     while len(free) > 1:
-        halves = 2.0 * np.sqrt(np.diag(_covariance(slopes[:, free])[0]))
+        halves = 2.0 * np.sqrt(np.diag(covariance(slopes[:, free])[0]))
         if halves.max() <= UNDETERMINED:
             break
         found.add(free.pop(int(np.argmax(halves))))
     return frozenset(found)
 
 
-def _covariance(slopes: Array) -> tuple[Array, Array]:
+def covariance(slopes: Array) -> tuple[Array, Array]:
     """Covariance (JᵀJ)⁻¹, and singular values. Those below rounding correspond to directions without influence."""
     _, singular, turned = np.linalg.svd(slopes, full_matrices=False)
     floored = np.maximum(singular, 1e-12 * max(float(singular[0]), 1.0))
@@ -210,12 +210,12 @@ def _spread(search: Search, inner: Sequence[int]) -> Spread:
     freedom = int(used.sum()) - len(inner)
     if freedom < 1:
         raise FitError(f"{used.sum()} values at points with a steady state can't determine {len(inner)} parameters")
-    covariance, singular = _covariance(search.slopes[used][:, list(inner)])
-    deviations = np.sqrt(np.diag(covariance))
+    matrix, singular = covariance(search.slopes[used][:, list(inner)])
+    deviations = np.sqrt(np.diag(matrix))
     reduced = float(np.sum(search.residuals[used] ** 2)) / freedom
     factor = float(np.sqrt(max(reduced, 1.0) if search.model.values["given"].all() else reduced))
     halves = student.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * factor * deviations
-    return Spread(halves, covariance / np.outer(deviations, deviations), singular, factor)
+    return Spread(halves, matrix / np.outer(deviations, deviations), singular, factor)
 
 
 def _undetermined(names: Sequence[str], worst: int, spread: Spread) -> str:

@@ -118,7 +118,7 @@ def plan(model: Model, known: int, parameters: Sequence[Parameter], values: Mapp
         why = f"{len(usable)} of {len(states) - known} places within the limits have a steady state below {100.0 * USED:.0f} % of the capacity"
         raise PlanError(f"{why}, fewer than the {count} planned points: widen --within")
     every = np.vstack([before, slopes[np.isin(owner, usable)]])
-    weak = fit._weak(every)
+    weak = fit.weak_parameters(every)
     seen = [k for k in range(len(at)) if k not in weak]
     if _halves(every[:, seen]).max() > fit.UNDETERMINED:
         raise PlanError(f"no place within the limits determines {' or '.join(parameter.name for parameter in parameters)}")
@@ -141,7 +141,7 @@ def _halves(slopes: Array) -> Array:
     freedom = len(slopes) - slopes.shape[1]
     if freedom < 1:
         return np.full(slopes.shape[1], np.inf)
-    return student.ppf(0.5 + 0.5 * fit.CONFIDENCE, freedom) * np.sqrt(np.diag(fit._covariance(slopes)[0]))
+    return student.ppf(0.5 + 0.5 * fit.CONFIDENCE, freedom) * np.sqrt(np.diag(fit.covariance(slopes)[0]))
 
 
 def _exchanged(start: Array, information: Array, count: int) -> list[int]:

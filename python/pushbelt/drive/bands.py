@@ -8,6 +8,7 @@ import numpy as np
 
 from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import parameter_deviations
+from pushbelt.fmu.results import largest
 from pushbelt.points import SteadyStateError
 from pushbelt.variator import Variator
 
@@ -35,4 +36,4 @@ def of_losses(fmu: Path, run: Run) -> tuple[float, list[str]]:
     if not found:
         raise ArgumentError(f"--bands: {run.setup.name} has no steady states near its {STATES} times")
     chords = np.mean(found, axis=0)
-    return float(np.linalg.norm(chords)), [list(deviations)[k] for k in np.argsort(-np.abs(chords))[:3]]
+    return float(np.linalg.norm(chords)), largest(deviations, np.abs(chords))

@@ -22,10 +22,11 @@ import numpy as np
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
 from pushbelt.errors import require
-from pushbelt.fmu.bands import SAMPLES, increased
+from pushbelt.fmu.bands import SAMPLES, increased, samples
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_deviations, parameter_set
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.results import largest
 from pushbelt.fmu.unit import belt_described
 from pushbelt.points import SteadyStateError
 from pushbelt.variator import Variator
@@ -85,20 +86,19 @@ def _scatter(options: argparse.Namespace, table: Table, solved: Callable[[Mappin
     if not table.solved or not deviations:
         raise DurabilityError(f"{table.name}: --bands needs a collective of working points, and a parameter set with known deviations")
     variables = {one.name: one for one in belt_described(options.fmu or default_fmu()).modelVariables}
-    draws, lives, used = np.random.default_rng(0).standard_normal((SAMPLES, len(deviations))), [], []
-    for draw in draws:
-        changes = increased(variables, values, dict(zip(deviations, draw * list(deviations.values()), strict=True)))
+    lives, used = [], []
+    for changes in samples(deviations, SAMPLES):
         try:
-            found = solved(changes)
+            found = solved(increased(variables, values, changes))
         except SteadyStateError:
             continue
         lives.append(found.life(found.total)[0])
-        used.append([*draw, found.utilisation])
+        used.append([*changes.values(), found.utilisation])
     if len(lives) < SAMPLES // 2:
         raise DurabilityError(f"{table.name}: only {len(lives)} of {SAMPLES} belts carry all rows")
     low, middle, high = (f"{life:.3g} h" if np.isfinite(life) else "unlimited" for life in np.quantile(lives, (0.16, 0.5, 0.84), method="nearest"))
     shares, amplitudes = np.abs(np.corrcoef(np.transpose(used))[-1, :-1]), 100.0 * np.array(used)[:, -1]
-    most = ", ".join(list(deviations)[k] for k in np.argsort(-shares)[:3])
+    most = ", ".join(largest(deviations, shares))
     scatter = f"of {len(lives)} belts 16 % live at most {low}, half {middle}, 84 % {high}"
     return f"{scatter}; largest amplitude {amplitudes.mean():.0f} ± {amplitudes.std():.0f} % of the limit, most by {most}"
 

@@ -27,6 +27,12 @@ def increased(variables: Mapping[str, Any], values: Mapping[str, float], changes
     return {name: min(max(values[name] + more, ends[name][0]), ends[name][1]) for name, more in changes.items()}
 
 
+def samples(deviations: Mapping[str, float], count: int) -> list[dict[str, float]]:
+    """Changes drawn from independent normal distributions, the same in each call."""
+    draws = np.random.default_rng(0).standard_normal((count, len(deviations))) * list(deviations.values())
+    return [dict(zip(deviations, draw, strict=True)) for draw in draws.tolist()]
+
+
 def bands(states: SteadyStates, start_values: Callable[[Mapping[str, float]], StartValues], deviations: Mapping[str, float]) -> Bands:
     """Outputs at `start_values({})`, and their standard deviations by `deviations`, from which `start_values` adds some.
 
@@ -52,8 +58,7 @@ def bands(states: SteadyStates, start_values: Callable[[Mapping[str, float]], St
     linear, curved = np.linalg.norm(chords, axis=0), 2.0**0.5 * np.linalg.norm(curvatures, axis=0)
     spread, named = np.hypot(linear, curved), [list(outputs).index(name) for name in NAMED]
     if not found.all() or outputs["torqueUtilisation"] > LINEAR_UTILISATION or (curved > LINEAR * linear)[named].any():
-        draws = np.random.default_rng(0).standard_normal((SAMPLES, len(deviations)))
-        samples = np.array([at(dict(zip(deviations, draw * list(deviations.values()), strict=True))) for draw in draws])
-        kept = np.isfinite(samples).all(axis=1)
-        spread, lost = np.std(samples[kept], axis=0, ddof=1), 1.0 - float(kept.mean())
+        drawn = np.array([at(changes) for changes in samples(deviations, SAMPLES)])
+        kept = np.isfinite(drawn).all(axis=1)
+        spread, lost = np.std(drawn[kept], axis=0, ddof=1), 1.0 - float(kept.mean())
     return Bands(outputs, dict(deviations), dict(zip(outputs, chords.T, strict=True)), dict(zip(outputs, spread.tolist(), strict=True)), lost)

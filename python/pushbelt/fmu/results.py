@@ -127,6 +127,12 @@ class SteadyState(BeltState):
         return {**vars(self), "derivatives": None}
 
 
+def largest(names: Iterable[str], sizes: Array, count: int = 3) -> list[str]:
+    """The names with the largest sizes."""
+    known = list(names)
+    return [known[k] for k in np.argsort(-sizes)[:count]]
+
+
 @dataclass(frozen=True, repr=False)
 class Bands:
     """Outputs of a steady state, and their standard deviations by independent ones of parameters."""
@@ -145,9 +151,8 @@ class Bands:
     def largest(self, name: str, count: int = 3) -> dict[str, float]:
         """Parameters with the largest shares of the variance of an output, and these shares."""
         shares = item(self.chords, name, "state") ** 2
-        shares = shares / (shares.sum() or 1.0)
-        names = list(self.deviations)
-        return {names[k]: float(shares[k]) for k in np.argsort(-shares)[:count]}
+        found = dict(zip(self.deviations, (shares / (shares.sum() or 1.0)).tolist(), strict=True))
+        return {name: found[name] for name in largest(self.deviations, shares, count)}
 
     def __repr__(self) -> str:
         shown = ", ".join(f"{name} {self.outputs[name]:.4g} ± {self[name]:.2g}" for name in ("thrustRatio", "slip", "efficiency"))
