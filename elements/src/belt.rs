@@ -11,6 +11,10 @@
 //! step further, p ← p + Δt (V t' + U o'). Otherwise friction would meet a false radial speed
 //! V Ω Δt/2.
 //!
+//! With free pitch an element turns by itself: its axis a_i = t_i e^{−iφ_i} leans forward by φ_i out
+//! of that frame, at the speed Π_i = Ω_i + φ̇_i, and b_i = i a_i points to its head
+//! ([`pitch`](crate::pitch)). Otherwise a chord takes the place of the axis that it meets.
+//!
 //! Vectors of the plane are complex numbers x + iy: with V + iU the velocity is (V + iU) t, and
 //! the components of a force along t and o are F t*, t* the conjugate.
 //!
@@ -47,6 +51,13 @@ rows! {
         turn: f64, "Δχ since the step before, rad.";
         unit: Vector, "Unit vectors of the chords.";
         length: f64, "Lengths of the chords, m.";
+        thickness: f64, "Thickness of the element in front of a gap, m.";
+        pitch: f64, "φ, rad.";
+        spin: f64, "Π, rad/s.";
+        axis: Vector, "a.";
+        normal: Vector, "Normal of a gap: a of the element in front of it.";
+        distance: f64, "Chord along that normal, m.";
+        offset: f64, "σ: chord across it, m.";
     }
 }
 
@@ -60,8 +71,8 @@ pub fn chords(points: &[Vector], unit: &mut [Vector], length: &mut [f64]) {
 }
 
 impl Belt {
-    /// Copies, chords and frames, and how far they have turned.
-    pub fn place(&mut self) {
+    /// Copies, chords and frames, how far they have turned, and the axes of elements of free pitch.
+    pub fn place(&mut self, free: bool) {
         let n = self.t.len() - 2;
         close(&mut self.p);
         chords(&self.p, &mut self.unit, &mut self.length);
@@ -75,5 +86,23 @@ impl Belt {
         }
         close(&mut self.t);
         close(&mut self.turn);
+        if !free {
+            self.axis.copy_from_slice(&self.t);
+            self.normal.copy_from_slice(&self.unit);
+            self.distance.copy_from_slice(&self.length);
+            return;
+        }
+        for i in 1..=n {
+            self.pitch[i] -= self.turn[i];
+            self.axis[i] = self.t[i] * Vector::from_polar(1.0, -self.pitch[i]);
+        }
+        close(&mut self.axis);
+        close(&mut self.spin);
+        for c in 0..=n {
+            let (axis, chord) = (self.axis[c + 1], self.unit[c] * self.length[c]);
+            self.normal[c] = axis;
+            self.distance[c] = dot(chord, axis);
+            self.offset[c] = cross(axis, chord);
+        }
     }
 }

@@ -13,7 +13,7 @@
 //! In a step N is linear in ġ, with its damping, and friction is −c (v_t, v_f) with the secant c of
 //! the step before. What belt and pulley get are the forces at the speeds after the step.
 
-use crate::belt::{Belt, Vector};
+use crate::belt::{Belt, Vector, dot};
 use crate::law::Law;
 use crate::pulleys::{Load, Pulley};
 use pushbelt::contact::{FlankMotion, flank_force};
@@ -29,6 +29,11 @@ const AT_REST: f64 = 1.0e-9;
 pub(crate) struct Touch {
     element: usize,
     pulley: usize,
+    /// Its motion with Π, along t and o, m.
+    lever: Vector,
+    /// Height above the rocking edge, m, and share of the flank.
+    height: f64,
+    pub(crate) share: f64,
     /// e_r·t and e_r·o.
     turned: Vector,
     /// cos θ, sin θ.
@@ -55,6 +60,10 @@ pub struct Flank {
     pub force: Vector,
     /// Its fall with V and U: tt, to, oo, N·s/m.
     pub slope: [f64; 3],
+    /// Couple about the rocking edge, N·m.
+    pub moment: f64,
+    /// Fall with Π: of both forces, N·s, and of the couple, N·m·s.
+    pub spin: [f64; 3],
     /// Normal force of a flank, N.
     pub normal: f64,
     /// Sliding speed, m/s.
@@ -99,14 +108,24 @@ impl Flanks {
             let sliding = square.sqrt().to_array();
             let [drag, elastic, stiffness] = [drag, elastic, stiffness].map(Lanes::to_array);
             for (k, touch) in pack.iter_mut().enumerate() {
-                (touch.drag, touch.elastic, touch.stiffness) = (drag[k], elastic[k], stiffness[k]);
-                touch.damping = stiffness[k] * contact.damping;
-                self.of[touch.element] = Flank {
-                    force: touch.forces(cos_beta, &touch.motion).0,
-                    slope: touch.fall(cos_beta),
-                    normal: elastic[k],
-                    sliding: sliding[k],
-                };
+                let share = touch.share;
+                (touch.drag, touch.elastic) = (share * drag[k], share * elastic[k]);
+                touch.stiffness = share * stiffness[k];
+                touch.damping = touch.stiffness * contact.damping;
+                let (of, force) = (&mut self.of[touch.element], touch.forces(cos_beta, &touch.motion).0);
+                let ([tt, to, oo], Vector { re: along, im: across }) = (touch.fall(cos_beta), touch.lever);
+                let spin = [tt * along + to * across, to * along + oo * across];
+                of.force += force;
+                of.moment += dot(force, touch.lever);
+                of.normal += touch.elastic;
+                of.sliding = sliding[k];
+                for (sum, value) in of.slope.iter_mut().zip([tt, to, oo]) {
+                    *sum += value;
+                }
+                let couple = spin[0] * along + spin[1] * across;
+                for (sum, value) in of.spin.iter_mut().zip([spin[0], spin[1], couple]) {
+                    *sum += value;
+                }
             }
         }
     }
@@ -116,7 +135,11 @@ impl Flanks {
         let (sin_beta, cos_beta, tan_beta) = (law.wedge.sin, law.wedge.cos, law.wedge.tan);
         let middle = 0.5 * (law.axes[0] + law.axes[1]);
         let apart = -APART * law.unit_damped.roughness;
-        for (i, place) in belt.p.iter().enumerate().take(law.count + 1).skip(1) {
+        let places = (1..=law.count).flat_map(|i| law.heights.iter().map(move |height| (i, *height)));
+        for (i, (height, share)) in places {
+            // It moves by height × a where the element turns.
+            let turning = height * belt.axis[i] * belt.t[i].conj();
+            let place = belt.p[i] + Vector::i() * turning * belt.t[i];
             let j = usize::from(place.re > middle);
             let p = &pulleys[j];
             let arm = place - law.axes[j];
@@ -126,7 +149,7 @@ impl Flanks {
             let around = (arm * inverse).conj();
             let (cos, sin) = (around.re, around.im);
             let opening = p.tilt[0] * cos + p.tilt[1] * sin;
-            let penetration = 0.5 * p.z - (rho - law.r0) * tan_beta - rho * opening;
+            let penetration = 0.5 * p.z - (rho - height - law.r0) * tan_beta - rho * opening;
             if penetration < apart {
                 continue;
             }
@@ -134,7 +157,7 @@ impl Flanks {
             let surface = 0.5 * p.z_dot - rho * (p.tilt_rate[0] * cos + p.tilt_rate[1] * sin);
             let turned = (belt.t[i] * around).conj();
             let slopes = [tan_beta + opening, slope];
-            let Vector { re: v_r, im: v_t } = polar(turned, belt.v[i]);
+            let Vector { re: v_r, im: v_t } = polar(turned, belt.v[i] + turning * belt.spin[i]);
             let motion = FlankMotion {
                 penetration,
                 penetration_rate: surface - slopes[0] * v_r - slope * v_t,
@@ -143,17 +166,18 @@ impl Flanks {
             };
             let mut touch = Touch::default();
             (touch.element, touch.pulley, touch.turned, touch.around) = (i, j, turned, around);
+            (touch.lever, touch.height, touch.share) = (turning, height, share);
             (touch.rho, touch.slopes, touch.motion) = (rho, slopes, motion);
             self.touches.push(touch);
         }
     }
 
     /// What the pulleys get after the speeds have changed by `change`.
-    pub fn loads(&self, law: &Law, dt: f64, change: &[Vector]) -> [Load; 2] {
+    pub fn loads(&self, law: &Law, dt: f64, change: &[Vector], spun: &[f64]) -> [Load; 2] {
         let (sin_beta, cos_beta) = (law.wedge.sin, law.wedge.cos);
         let mut loads = [Load::default(); 2];
         for touch in &self.touches {
-            let motion = touch.moved(cos_beta, change[touch.element]);
+            let motion = touch.moved(cos_beta, change[touch.element] + touch.lever * spun[touch.element]);
             let (force, [normal, tangential, flank]) = touch.forces(cos_beta, &motion);
             let (load, around) = (&mut loads[touch.pulley], touch.around);
             let axial = normal * cos_beta - flank * sin_beta;
@@ -169,7 +193,7 @@ impl Flanks {
             // e_r = (cos θ, −sin θ), e_t = (−sin θ, −cos θ).
             load.resultant += (polar(touch.turned, force) * around).conj();
             load.weight[0] += touch.elastic;
-            load.weight[1] += touch.elastic * touch.rho;
+            load.weight[1] += touch.elastic * (touch.rho - touch.height);
             load.friction -= 2.0 * (tangential * motion.tangential + flank * motion.along_flank);
             load.viscous +=
                 2.0 * touch.damping * cos_beta * motion.penetration_rate * motion.penetration_rate;

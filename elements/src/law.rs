@@ -43,6 +43,24 @@ pub struct Options {
     /// Damping time of the ring's curvature, s
     #[arg(long, default_value_t = 2.0e-5)]
     pub curvature_damping: f64,
+    /// Elements pitch by themselves, with heads, pegs, crowns and flanks that have a height
+    #[arg(long)]
+    pub pitch: bool,
+    /// Pitch: height of the heads' contact above the rocking edge, m
+    #[arg(long, default_value_t = 5.0e-3)]
+    pub head: f64,
+    /// Pitch: height of the flanks below the rocking edge, m
+    #[arg(long, default_value_t = 5.0e-3)]
+    pub flank: f64,
+    /// Pitch: radius of the saddle's crown along the belt, m
+    #[arg(long, default_value_t = 1.0e-2)]
+    pub crown: f64,
+    /// Pitch: clearance of a peg in its hole, m
+    #[arg(long, default_value_t = 8.0e-5)]
+    pub clearance: f64,
+    /// Thickness: elements of 1 ± this share, in random order
+    #[arg(long, default_value_t = 0.0)]
+    pub spread: f64,
 }
 
 impl Default for Options {
@@ -78,6 +96,8 @@ pub struct Law {
     pub r0: f64,
     /// Axes of the pulleys, x, m.
     pub axes: [f64; 2],
+    /// Heights at which a flank touches, from the rocking edge, m, and their shares.
+    pub heights: Vec<(f64, f64)>,
 }
 
 impl Law {
@@ -135,8 +155,30 @@ impl Law {
             },
             r0: radii.primary,
             axes: [0.0, geometry.center_distance],
+            heights: if options.pitch {
+                [-1.0, 1.0]
+                    .map(|side| (-options.flank * (0.5 + side / 12_f64.sqrt()), 0.5))
+                    .to_vec()
+            } else {
+                vec![(0.0, 1.0)]
+            },
             parameters: parameters.clone(),
         })
+    }
+
+    /// Sets the thickness of each element, in an order of chance that is the same each time; the
+    /// stack is as long as without spread.
+    pub fn spread(&self, thickness: &mut [f64]) {
+        let mut state = 1_u32;
+        for value in thickness[..self.count].iter_mut() {
+            // Numerical Recipes' generator; its upper bit.
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let side = if state >> 31 == 0 { -1.0 } else { 1.0 };
+            *value = 1.0 + side * self.options.spread;
+        }
+        let scale = self.thickness * self.count as f64 / thickness[..self.count].iter().sum::<f64>();
+        thickness[..self.count].iter_mut().for_each(|value| *value *= scale);
+        thickness[self.count] = thickness[0];
     }
 
     /// Parameters of the pulleys.

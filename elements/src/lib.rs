@@ -11,13 +11,13 @@
 //! | [`law`] | constants from the parameters of the FMU, and what this model has beside them |
 //! | [`belt`] | places, speeds, chords and frames of the elements |
 //! | [`stack`], [`ring`], [`flanks`] | forces between elements, with oil, of the ring, at the sheaves |
+//! | [`pitch`] | elements that pitch by themselves: heads, pegs, crowns |
 //! | [`pulleys`] | shafts, cones and tilt |
 //! | [`cyclic`] | the equations along the belt |
 //! | [`machine`] | the step, energies and losses, checks |
-//! | [`run`] | means, fields along the belt, stored states |
+//! | [`run`], [`tone`] | means, fields along the belt, stored states; orders of the elements |
 //!
-//! Not modelled: heads, pegs and turning elements of their own, friction between the layers of the
-//! ring, cylinders, end stops.
+//! Not modelled: friction between the layers of the ring, cylinders, end stops.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
@@ -57,7 +57,9 @@ pub mod flanks;
 pub mod law;
 pub mod machine;
 pub mod oil;
+pub mod pitch;
 pub mod pulleys;
 pub mod ring;
 pub mod run;
 pub mod stack;
+pub mod tone;

@@ -5,16 +5,17 @@
 //! diagonals). Contact, dampings, oil and friction are linear in the speeds after the step; each
 //! pair of bodies gets the same force.
 
-use crate::belt::{Belt, Vector, close, cross};
+use crate::belt::{Belt, Vector, close, cross, dot};
 use crate::cyclic::{Pentadiagonal, Tridiagonal};
 use crate::flanks::Flanks;
 use crate::law::Law;
+use crate::pitch::Pitch;
 use crate::pulleys::{Cone, Load, Pulley, Shaft};
 use crate::ring::Ring;
 use crate::stack::Stack;
 use pushbelt::contact::energy_density;
 use pushbelt::pulley::Travel;
-use pushbelt::scalar::{Real as _, soft_plus_energy};
+use pushbelt::scalar::Real as _;
 use pushbelt_archive::Archive;
 
 /// Works and losses since the start, J, in the order of [`Ledger::NAMES`].
@@ -67,8 +68,10 @@ pub struct Machine {
     pub belt: Belt,
     /// Forces of the ring.
     pub ring: Ring,
-    /// Forces of the gaps.
-    pub stack: Stack,
+    /// Forces of the gaps at rocking edges and at heads.
+    pub stacks: [Stack; 2],
+    /// Pegs and turning elements.
+    pub pitch: Pitch,
     /// Forces of the flanks.
     pub flanks: Flanks,
     /// Secondary and primary pulley.
@@ -96,7 +99,8 @@ impl Machine {
             time: 0.0,
             belt: Belt::new(n),
             ring: Ring::new(n),
-            stack: Stack::new(n),
+            stacks: [Stack::new(n), Stack::new(n)],
+            pitch: Pitch::new(n),
             flanks: Flanks::default(),
             pulleys: [Pulley::default(); 2],
             drive: [(Shaft::Torque(0.0), Cone::Held); 2],
@@ -110,8 +114,9 @@ impl Machine {
         };
         let (law, belt, ring) = (&machine.law, &mut machine.belt, &mut machine.ring);
         belt.p[1..=n].iter_mut().zip(points).for_each(|(p, point)| *p = point);
-        belt.place();
+        belt.place(law.options.pitch);
         belt.turn.fill(0.0);
+        law.spread(&mut belt.thickness);
         ring.place(law, belt);
         let per_chord = law.parameters.geometry.belt_length / ring.length[1..=n].iter().sum::<f64>();
         for i in 1..n {
@@ -124,12 +129,17 @@ impl Machine {
     pub fn step(&mut self) {
         let (n, dt, law, belt) = (self.law.count, self.dt, &self.law, &mut self.belt);
         let (per_step, steel) = (1.0 / dt, law.parameters.geometry.belt_length);
-        belt.place();
+        let free = law.options.pitch;
+        belt.place(free);
+        if !free {
+            let turning = belt.turn.iter().map(|turn| turn * per_step);
+            belt.spin.iter_mut().zip(turning).for_each(|(spin, rate)| *spin = rate);
+        }
         close(&mut belt.v);
         close(&mut belt.w);
         (belt.s[0], belt.s[n + 1]) = (belt.s[n] - steel, belt.s[1] + steel);
         self.ring.place(law, belt);
-        self.stack.evaluate(law, dt, belt);
+        self.stacks[0].evaluate(law, dt, belt, 0.0);
         self.ring.evaluate(law, dt, belt);
         self.flanks.evaluate(law, &self.pulleys, belt);
 
@@ -140,36 +150,53 @@ impl Machine {
         dw[1..=n].copy_from_slice(right);
         close(dw);
         belt.w.iter_mut().zip(&*dw).for_each(|(w, change)| *w += change);
-        self.ring.correct(law, dt, belt, dw);
+        self.ring.correct(law, belt, dw);
 
-        let couple = 0.5 * law.lever / law.thickness;
+        if free {
+            self.stacks[1].evaluate(law, dt, belt, law.options.head);
+            self.pitch.evaluate(law, dt, belt);
+            let of = (&self.stacks, &self.ring, &self.flanks.of[..]);
+            self.pitch.rows(law, dt, belt, of, [diagonal, off, right]);
+            self.three.solve(diagonal, off, right);
+            self.pitch.correct(law, belt, &mut self.stacks, right);
+        }
+        let arm = 0.5 / law.thickness;
         let (flank, ring_turn) = (&self.flanks.of[..n + 2], &self.ring.turn[..n + 2]);
-        cut!(n + 2; belt => v, w, t, turn, unit);
-        cut!(n + 2; self.ring => drag, force, mass);
+        cut!(n + 2; self.pitch => peg, spun);
+        cut!(n + 2; belt => v, w, t, turn, normal);
+        cut!(n + 2; self.ring => drag, couple, force, mass);
         for k in 0..n {
             let i = k + 1;
-            diagonal[k] = law.mass * per_step + flank[i].slope[0];
+            (diagonal[k], off[k]) = (law.mass * per_step + flank[i].slope[0], 0.0);
             // o of a neighbour has a component along t.
             let bend = |a: usize| cross(t[a + 1], t[a]);
-            let turned = couple * (drag[k] * bend(k) + drag[i + 1] * bend(i));
-            right[k] = flank[i].force.re + drag[i] + turned - law.mass * v[i].im * turn[i] * per_step;
+            let turned = arm * (couple[k] * bend(k) + couple[i + 1] * bend(i));
+            let pegs = peg[i] * cross(t[i], normal[i]) - peg[k] * cross(t[i], normal[k]);
+            right[k] = flank[i].force.re + drag[i] + turned + pegs
+                - law.mass * v[i].im * turn[i] * per_step
+                - flank[i].spin[0] * spun[i];
         }
-        self.stack.rows(law, belt, [diagonal, off, right]);
+        for stack in &self.stacks {
+            stack.rows(law, belt, [diagonal, off, right]);
+        }
         self.three.solve(diagonal, off, right);
         for (dv, change) in dv[1..=n].iter_mut().zip(&*right) {
             dv.re = *change;
         }
         close(dv);
-        self.stack.correct(dv);
+        self.stacks.iter_mut().for_each(|stack| stack.correct(dv));
 
-        let push = &self.stack.push[..n + 2];
+        let [edges, heads] = self.stacks.each_ref().map(|stack| &stack.push[..n + 2]);
         for k in 0..n {
             let i = k + 1;
-            let pushed = |c: usize| push[c] * cross(t[i], unit[c]);
+            let pushed =
+                |c: usize| (edges[c] + heads[c]) * cross(t[i], normal[c]) + peg[c] * dot(t[i], normal[c]);
             let [_, mixed, own] = flank[i].slope;
             diagonal[k] = (law.mass + mass[i]) * per_step + own;
-            right[k] = pushed(k) - pushed(i) + force[i].im + flank[i].force.im - mixed * dv[i].re
-                + couple * (drag[i + 1] - drag[k])
+            right[k] = pushed(k) - pushed(i) + force[i].im + flank[i].force.im
+                - mixed * dv[i].re
+                - flank[i].spin[1] * spun[i]
+                + arm * (couple[i + 1] - couple[k])
                 + law.mass * (v[i].re + dv[i].re) * turn[i] * per_step
                 + mass[i] * w[i] * ring_turn[i];
         }
@@ -180,7 +207,7 @@ impl Machine {
         close(dv);
         belt.v.iter_mut().zip(&*dv).for_each(|(v, change)| *v += change);
 
-        self.loads = self.flanks.loads(law, dt, dv);
+        self.loads = self.flanks.loads(law, dt, dv, &self.pitch.spun);
         self.add_losses();
         self.advance();
     }
@@ -189,8 +216,8 @@ impl Machine {
     fn advance(&mut self) {
         let (n, dt, e) = (self.law.count, self.dt, self.law.parameters.belt.pitch_offset);
         let per_step = 1.0 / dt;
-        cut!(n + 1; self.belt => v, w, t, turn);
-        cut!(n + 1; mut self.belt => p, s);
+        cut!(n + 1; self.belt => v, w, t, turn, spin);
+        cut!(n + 1; mut self.belt => p, s, pitch);
         cut!(n + 1; self.ring => length, steel);
         for i in 1..=n {
             let half = 0.5 * turn[i];
@@ -198,6 +225,7 @@ impl Machine {
             let turned = v[i] * Vector::new(1.0 - 0.5 * half * half, -half);
             p[i] += dt * (turned * t[i]);
             let shrink = (steel[i] + steel[i - 1]) / (length[i] + length[i - 1]);
+            pitch[i] += dt * spin[i];
             s[i] += dt * (v[i].re + e * turn[i] * per_step - w[i]) * shrink;
         }
         for (j, of) in self.law.pulleys().into_iter().enumerate() {
@@ -213,14 +241,10 @@ impl Machine {
     fn add_losses(&mut self) {
         let (n, of) = (self.law.count, &self.law.parameters.ring);
         cut!(n + 1; self.ring => friction, drag, steel, angle_rate, mass);
-        cut!(n + 1; self.stack => oil, damping);
-        let (approaching, stretched) = (&self.stack.rate[..n + 1], &self.ring.rate[..n + 1]);
-        let [mut rubbed, mut oiled, mut damped, mut stretch, mut bend] = [0.0; 5];
+        let stretched = &self.ring.rate[..n + 1];
+        let [mut rubbed, mut stretch, mut bend] = [0.0; 3];
         for i in 1..=n {
             rubbed += drag[i] * drag[i] / friction[i].max(f64::MIN_POSITIVE);
-            let square = approaching[i] * approaching[i];
-            oiled += oil[i] * square;
-            damped += damping[i] * square;
             stretch += stretched[i] * stretched[i] / steel[i];
             bend += angle_rate[i] * angle_rate[i] / mass[i];
         }
@@ -228,6 +252,8 @@ impl Machine {
         bend *= of.bending_stiffness * self.law.options.curvature_damping * of.mass_per_length;
         let [s, p] = &self.loads;
         let viscous = s.viscous + p.viscous;
+        let [edges, heads] = self.stacks.each_ref().map(Stack::losses);
+        let (oiled, damped) = (edges[0] + heads[0], edges[1] + heads[1] + self.pitch.loss());
         let powers = [s.friction, p.friction, viscous, rubbed, oiled, damped, stretch, bend];
         for (entry, power) in self.ledger.0[4..12].iter_mut().zip(powers) {
             *entry += self.dt * power;
@@ -242,8 +268,6 @@ impl Machine {
         for i in 1..=law.count {
             let (v, u, w) = (belt.v[i].re, belt.v[i].im, belt.w[i]);
             energy += 0.5 * (law.mass * (v * v + u * u) + ring.mass[i] * (w * w + u * u));
-            let overlap = law.thickness - belt.length[i];
-            energy += law.push_stiffness * soft_plus_energy(overlap, law.parameters.belt.roughness);
             let strain = ring.length[i] / ring.steel[i] - 1.0;
             energy += 0.5 * of.axial_stiffness * strain * strain * ring.steel[i];
             let bent = 0.5 * of.bending_stiffness * ring.angle[i].powi(2);
@@ -252,7 +276,14 @@ impl Machine {
         for touch in &self.flanks.touches {
             let penetration = touch.motion.penetration;
             let depth = penetration.soft_plus(contact.roughness).value;
-            energy += 2.0 * law.thickness * energy_density(contact, law.wedge.cos, penetration, depth);
+            energy += 2.0
+                * touch.share
+                * law.thickness
+                * energy_density(contact, law.wedge.cos, penetration, depth);
+        }
+        energy += Stack::energy(law, belt, 0.0);
+        if law.options.pitch {
+            energy += Stack::energy(law, belt, law.options.head) + Pitch::energy(law, belt);
         }
         let pulleys = self.pulleys.iter().zip(law.pulleys()).zip(&self.drive);
         energy
@@ -307,7 +338,13 @@ impl Machine {
             archive.real(re);
             archive.real(im);
         }
-        for values in [&mut belt.w, &mut belt.s, &mut self.ring.contact] {
+        for values in [
+            &mut belt.w,
+            &mut belt.s,
+            &mut belt.pitch,
+            &mut belt.spin,
+            &mut self.ring.contact,
+        ] {
             archive.reals(values);
         }
         for p in &mut self.pulleys {

@@ -9,7 +9,7 @@ use pushbelt::variator::settings::parameters;
 use pushbelt_archive::Archive;
 use pushbelt_elements::case::Case;
 use pushbelt_elements::law::Options;
-use pushbelt_elements::run::{Run, csv, header};
+use pushbelt_elements::run::{Run, csv};
 use std::error::Error;
 use std::fs;
 use std::io::{IsTerminal as _, Write as _};
@@ -29,8 +29,8 @@ struct Arguments {
     /// Cases, as medium-0.4, or sets, as torque-free
     #[arg(required = true)]
     cases: Vec<String>,
-    /// Folder of the results: CASE.csv (each millisecond), CASE-fields.csv (along the belt),
-    /// results.csv, shifts.csv or SET.csv (a line a case)
+    /// Folder of the results: CASE.csv (each millisecond), CASE-fields.csv (along the belt), with
+    /// --pitch CASE-tone.csv (forces and torques over revolutions), results.csv, shifts.csv or SET.csv (a line a case)
     #[arg(long, default_value = "target/elements", overrides_with = "output")]
     output: PathBuf,
     /// The file of the lines, a line a case; a line of the same case and settings is replaced
@@ -164,7 +164,10 @@ fn one(of: &Arguments, name: &str, settings: &Settings, set: Option<&str>) -> Re
     }
     write(&of.output.join(format!("{name}-fields.csv")), run.fields_csv())?;
     let result = run.quarter(1);
-    add(set.unwrap_or("results"), &header(), &name, &result.line())?;
+    add(set.unwrap_or("results"), &run.header(), &name, &run.line())?;
+    if !run.tone.is_empty() {
+        write(&of.output.join(format!("{name}-tone.csv")), run.tone_csv())?;
+    }
     let (ratio, thrust_ratio, [idle_s, idle_p]) = (result.ratio(), result.thrust_ratio(), result.arcs);
     let [least, most] = result.push_force;
     let shares = [result.slip(), result.efficiency(), result.residual()];

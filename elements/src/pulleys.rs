@@ -21,7 +21,7 @@ pub struct Load {
     pub resistance: [f64; 3],
     /// Resultant on the belt, N.
     pub resultant: Vector,
-    /// Sum of the normal forces of a flank, N, and of them times ϱ, N·m.
+    /// Sum of the normal forces of a flank, N, and of them times ϱ of their rocking edges, N·m.
     pub weight: [f64; 2],
     /// Power of friction, W.
     pub friction: f64,

@@ -33,7 +33,7 @@ pub fn page(mut run: Run, figures: &str) -> Result<String, Fault> {
         machine.check()?;
         for i in 1..=n {
             let (p, gap) = (machine.belt.p[i], machine.belt.length[i] - law.thickness);
-            let values = [p.re, p.im, machine.stack.push[i], gap.max(0.0)];
+            let values = [p.re, p.im, machine.stacks[0].push[i], gap.max(0.0)];
             for ((field, value), (_, unit)) in fields.iter_mut().zip(values).zip(FIELDS) {
                 field.push((value / unit).round() as i32);
             }

@@ -42,6 +42,7 @@ rows! {
         contact: f64, "N, N.";
         friction: f64, "q/s, N·s/m.";
         drag: f64, "q, N, on the element.";
+        couple: f64, "Couple on the frame of the element, N·m.";
         mass: f64, "m, kg.";
         turn: f64, "Ω_r, rad/s.";
     }
@@ -98,7 +99,7 @@ impl Ring {
             // Ṡ κ; λ is 1 within a thousandth.
             let passing = v[i].re + law.parameters.belt.pitch_offset * omega - w[i];
             turn[i] = omega - passing * angle[i] * ring.mass_per_length / mass[i];
-            let sliding = w[i] - v[i].re - law.lever * omega;
+            let sliding = w[i] - v[i].re - law.lever * belt.spin[i];
             let pressed = (contact[i] - options.contact_threshold).max(0.0);
             friction[i] = law.parameters.friction.ring * pressed / (sliding * sliding + v0 * v0).sqrt();
         }
@@ -109,12 +110,12 @@ impl Ring {
     pub fn rows(&self, law: &Law, dt: f64, belt: &Belt, rows: [&mut [f64]; 3]) {
         let (n, per_step) = (law.count, 1.0 / dt);
         let [diagonal, off, right] = rows.map(|row| &mut row[..n]);
-        cut!(n + 1; belt => v, w, turn);
+        cut!(n + 1; belt => v, w, spin);
         cut!(n + 1; self => mass, slope, friction, force);
         let ring_turn = &self.turn[..n + 1];
         for k in 0..n {
             let i = k + 1;
-            let sliding = w[i] - v[i].re - law.lever * turn[i] * per_step;
+            let sliding = w[i] - v[i].re - law.lever * spin[i];
             diagonal[k] = mass[i] * per_step + slope[i] + slope[k] + friction[i];
             off[k] = -slope[i];
             right[k] = force[i].re - mass[i] * v[i].im * ring_turn[i] - friction[i] * sliding;
@@ -122,11 +123,11 @@ impl Ring {
     }
 
     /// The forces after w has changed by `change`, with its copies.
-    pub fn correct(&mut self, law: &Law, dt: f64, belt: &Belt, change: &[f64]) {
-        let (n, per_step) = (law.count, 1.0 / dt);
-        cut!(n + 1; belt => v, w, t, turn);
+    pub fn correct(&mut self, law: &Law, belt: &Belt, change: &[f64]) {
+        let n = law.count;
+        cut!(n + 1; belt => v, w, t, spin);
         cut!(n + 1; self => slope, mass, friction);
-        cut!(n + 1; mut self => tension, rate, force, contact, drag);
+        cut!(n + 1; mut self => tension, rate, force, contact, drag, couple);
         let (own_turn, unit, change) = (&self.turn[..n + 1], &self.unit[..n + 1], &change[..n + 2]);
         for i in 0..=n {
             rate[i] += change[i + 1] - change[i];
@@ -136,9 +137,15 @@ impl Ring {
             let outward = |c: usize| slope[c] * (change[c + 1] - change[c]) * cross(t[i], unit[c]);
             force[i].im += outward(i) - outward(i - 1);
             contact[i] = -force[i].im - mass[i] * w[i] * own_turn[i];
-            drag[i] = friction[i] * (w[i] - v[i].re - law.lever * turn[i] * per_step);
+            drag[i] = friction[i] * (w[i] - v[i].re - law.lever * spin[i]);
+            couple[i] = if law.options.pitch {
+                contact[i] * (law.options.crown - law.lever) * belt.pitch[i].sin()
+            } else {
+                law.lever * drag[i]
+            };
         }
         close(&mut self.drag);
+        close(&mut self.couple);
     }
 }
 

@@ -3,6 +3,7 @@
 
 use crate::case::{Case, Path, SHIFT, short};
 use crate::machine::{Fault, Ledger, Machine};
+use crate::tone;
 use pushbelt::variator::settings::ParameterError;
 use pushbelt_archive::Archive;
 
@@ -13,11 +14,13 @@ const SAMPLE: u64 = 50;
 /// Number of places of the fields.
 const PLACES: usize = 72;
 /// Number of fields at a place.
-const FIELDS: usize = 7;
+const FIELDS: usize = 8;
 /// Columns of the fields' file. The spread is a standard deviation.
 const FIELD_COLUMNS: &str = "position,pushForce,pushForce.spread,gap,gap.spread,ringTension,\
     ringTension.spread,ringContact,ringContact.spread,normalForce,normalForce.spread,\
-    slidingSpeed,slidingSpeed.spread,ringSliding,ringSliding.spread";
+    slidingSpeed,slidingSpeed.spread,ringSliding,ringSliding.spread,pitch,pitch.spread";
+/// Steps between samples of the tone.
+const TONE: u64 = 4;
 /// Part of a run whose mean is its result.
 const RESULT: f64 = 0.25;
 /// Slip beyond which the belt slips through.
@@ -176,6 +179,10 @@ pub struct Run {
     fields: [[f64; 1 + 2 * FIELDS]; PLACES],
     /// Count and sum of the push forces at each place since the last row.
     recent: [[f64; 2]; PLACES],
+    /// Revolutions of the belt.
+    revolutions: f64,
+    /// Signals of the result, with free pitch.
+    pub tone: Vec<tone::Sample>,
 }
 
 impl Run {
@@ -194,6 +201,8 @@ impl Run {
             energy: f64::NAN,
             fields: [[0.0; 1 + 2 * FIELDS]; PLACES],
             recent: [[0.0; 2]; PLACES],
+            revolutions: 0.0,
+            tone: Vec::new(),
         })
     }
 
@@ -228,11 +237,33 @@ impl Run {
             if self.steps.is_multiple_of(SAMPLE) {
                 self.sample()?;
             }
+            self.listen();
             if self.machine.time >= (self.rows.len() + 1) as f64 * INTERVAL - 0.5 * self.machine.dt {
                 self.close_row();
             }
         }
         Ok(())
+    }
+
+    /// Whether the run is in the part that is its result.
+    fn is_result(&self) -> bool {
+        self.machine.time >= (1.0 - RESULT) * self.case.duration()
+    }
+
+    /// Adds the signals of the tone.
+    fn listen(&mut self) {
+        if !self.case.options.pitch || self.rows.is_empty() {
+            return;
+        }
+        self.revolutions += tone::revolutions(&self.machine);
+        if self.is_result() && self.steps.is_multiple_of(TONE) {
+            let (machine, [s, p]) = (&self.machine, &self.machine.loads);
+            let (flank, place) = (machine.flanks.of[1], self.path().place(machine.belt.p[1]));
+            let element = [place, machine.belt.pitch[1], flank.normal, flank.sliding];
+            let of = [self.revolutions, s.axial, p.axial, s.torque, p.torque];
+            self.tone
+                .push(std::array::from_fn(|k| if k < 5 { of[k] } else { element[k - 5] }));
+        }
     }
 
     fn close_row(&mut self) {
@@ -264,27 +295,27 @@ impl Run {
     fn sample(&mut self) -> Result<(), Fault> {
         let machine = &self.machine;
         machine.check()?;
-        for push in &machine.stack.push[1..=machine.law.count] {
+        for push in &machine.stacks[0].push[1..=machine.law.count] {
             widen(&mut self.now.push_force, [*push; 2]);
         }
         if self.rows.is_empty() {
             return Ok(());
         }
-        let is_result = machine.time >= (1.0 - RESULT) * self.case.duration();
+        let is_result = self.is_result();
         let (path, belt) = (self.path(), &machine.belt);
         for i in 1..=machine.law.count {
             let xi = path.place(belt.p[i]);
             let place = (xi / path.length() * PLACES as f64).round() as usize % PLACES;
             let sum = &mut self.fields[place];
-            let omega = belt.turn[i] / machine.dt;
             let values: [f64; FIELDS] = [
-                machine.stack.push[i],
+                machine.stacks[0].push[i],
                 (belt.length[i] - machine.law.thickness).max(0.0),
                 machine.ring.tension[i],
                 machine.ring.contact[i],
                 machine.flanks.of[i].normal,
                 machine.flanks.of[i].sliding,
-                belt.w[i] - belt.v[i].re - machine.law.lever * omega,
+                belt.w[i] - belt.v[i].re - machine.law.lever * belt.spin[i],
+                belt.pitch[i],
             ];
             let recent = &mut self.recent[place];
             *recent = [recent[0] + 1.0, recent[1] + values[0]];
@@ -402,6 +433,31 @@ impl Run {
         ]
     }
 
+    /// Names of the columns of [`line`](Self::line).
+    pub fn header(&self) -> String {
+        let of = if self.case.options.pitch {
+            format!(",{}", tone::COLUMNS)
+        } else {
+            String::new()
+        };
+        format!("{}{of}", header())
+    }
+
+    /// The result, and the tone with free pitch.
+    pub fn line(&self) -> String {
+        let mut line = self.quarter(1).line();
+        if self.case.options.pitch {
+            line += &format!(",{}", csv(&tone::amplitudes(&self.tone, self.machine.law.count)));
+        }
+        line
+    }
+
+    /// Signals of the result, CSV.
+    pub fn tone_csv(&self) -> String {
+        let lines = self.tone.iter().map(|sample| csv(sample) + "\n");
+        format!("{}\n{}", tone::SIGNALS, lines.collect::<String>())
+    }
+
     /// Rows so far, CSV.
     pub fn rows_csv(&self) -> String {
         let lines = self.rows.iter().map(|row| row.line() + "\n");
@@ -416,6 +472,7 @@ impl Run {
         archive.reals(&mut self.before.0);
         archive.reals(self.fields.as_flattened_mut());
         archive.reals(self.recent.as_flattened_mut());
+        archive.real(&mut self.revolutions);
         let mut rows = self.rows.len() as u64;
         archive.counter(&mut rows);
         if archive.is_reading() {
@@ -423,6 +480,13 @@ impl Run {
             let most = (self.case.duration() / INTERVAL) as usize + 1;
             self.rows = vec![Row::default(); most.min(rows as usize)];
         }
+        let mut samples = self.tone.len() as u64;
+        archive.counter(&mut samples);
+        if archive.is_reading() {
+            // Not more than the steps give.
+            self.tone = vec![Default::default(); self.steps.min(samples) as usize];
+        }
+        archive.reals(self.tone.as_flattened_mut());
         for row in self.rows.iter_mut().chain([&mut self.now]) {
             for value in [&mut row.time, &mut row.duration, &mut row.stored, &mut row.open] {
                 archive.real(value);

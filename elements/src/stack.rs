@@ -11,15 +11,21 @@
 //! - S(F) = F where the gap closes, F/√(1 + (F/F_c)²) where it opens: the oil cavitates at the
 //!   suction F_c.
 //!
+//! The law of heads is the same, at their height and with a quarter of the oil
+//! ([`pitch`](crate::pitch)).
+//!
 //! The law is linear in the speeds at the end of a step: Q = K (⟨−g⟩ − (Δt + d_e) H ġ) − c' ġ, with
 //! c' = S/ġ at the speed of the step before.
 
-use crate::belt::{Belt, Vector, dot};
+use crate::belt::{Belt, Vector, cross, dot};
 use crate::law::Law;
-use pushbelt::scalar::{LANES, Lanes, Real};
+use pushbelt::scalar::{LANES, Lanes, Real, soft_plus_energy};
+
+/// Oil between heads over that between faces, by the cube of their heights.
+const HEAD_OIL: f64 = 0.25;
 
 rows! {
-    /// Forces of the gaps; chord i is gap i.
+    /// Forces of the gaps at the rocking edges, or at the heads; chord i is gap i.
     Stack {
         push: f64, "Q, N.";
         rate: f64, "ġ, m/s.";
@@ -29,24 +35,33 @@ rows! {
     }
 }
 
+/// Distance of the points at a `height` of the elements beside chord c, m.
+fn distance(belt: &Belt, c: usize, height: f64) -> f64 {
+    belt.distance[c] + height * cross(belt.axis[c + 1], belt.axis[c])
+}
+
 impl Stack {
-    /// The law at the present gaps and speeds of the elements.
-    pub fn evaluate(&mut self, law: &Law, dt: f64, belt: &Belt) {
+    /// The law at the present gaps and speeds of the elements, at a `height` above their edges, m.
+    pub fn evaluate(&mut self, law: &Law, dt: f64, belt: &Belt, height: f64) {
         let gaps = law.count + 1;
-        cut!(gaps; belt => unit, length);
-        cut!(gaps + 1; belt => v, t);
+        cut!(gaps; belt => normal, offset, thickness);
+        cut!(gaps + 1; belt => v, t, spin);
         cut!(gaps; mut self => push, rate, slope, damping, oil);
-        for i in 0..gaps {
-            rate[i] = dot(v[i + 1] * t[i + 1] - v[i] * t[i], unit[i]);
+        // The overlap, which the push force then replaces.
+        for c in 0..gaps {
+            push[c] = thickness[c] - distance(belt, c, height);
+            rate[c] = dot(v[c + 1] * t[c + 1] - v[c] * t[c], normal[c]) - offset[c] * spin[c + 1]
+                + height * (spin[c + 1] - spin[c]);
         }
         let (elements, stiffness) = (&law.parameters.belt, law.push_stiffness);
+        let share = if height > 0.0 { HEAD_OIL } else { 1.0 };
         for from in (0..gaps).step_by(LANES) {
             let many = LANES.min(gaps - from);
             let pack = |of: &[f64]| Lanes::new(std::array::from_fn(|k| of[from + k.min(many - 1)]));
-            let (overlap, approaching) = (-pack(length) + law.thickness, pack(rate));
+            let (overlap, approaching) = (pack(push), pack(rate));
             let closing = overlap.soft_plus(elements.roughness);
             let (closed, touching) = (closing.value, closing.slope);
-            let by_oil = law.oil.coefficient(closed - overlap, approaching);
+            let by_oil = law.oil.coefficient(closed - overlap, approaching) * share;
             let touching = touching * stiffness;
             let total = touching * (dt + elements.damping) + by_oil;
             for (row, value) in [
@@ -60,18 +75,33 @@ impl Stack {
         }
     }
 
+    /// Elastic energy, J.
+    pub fn energy(law: &Law, belt: &Belt, height: f64) -> f64 {
+        let overlap = |c| belt.thickness[c] - distance(belt, c, height);
+        let of = |c| soft_plus_energy(overlap(c), law.parameters.belt.roughness);
+        law.push_stiffness * (1..=law.count).map(of).sum::<f64>()
+    }
+
+    /// Powers of oil and of the contact's damping, W.
+    pub fn losses(&self) -> [f64; 2] {
+        [&self.oil, &self.damping].map(|of| {
+            let powers = of.iter().zip(&self.rate).skip(1);
+            powers.map(|(of, rate)| of * rate * rate).sum()
+        })
+    }
+
     /// Adds the gaps' part to the equations of V: their slopes to `diagonal`, `off`, the push
     /// forces along t to `right`.
     pub fn rows(&self, law: &Law, belt: &Belt, [diagonal, off, right]: [&mut [f64]; 3]) {
         let n = law.count;
         cut!(n + 1; self => push, slope);
-        cut!(n + 1; belt => unit, t);
+        cut!(n + 1; belt => normal, t);
         let (diagonal, off, right) = (&mut diagonal[..n], &mut off[..n], &mut right[..n]);
         for k in 0..n {
             let i = k + 1;
-            let pushed = |c: usize| push[c] * dot(unit[c], t[i]);
+            let pushed = |c: usize| push[c] * dot(normal[c], t[i]);
             diagonal[k] += slope[i] + slope[k];
-            off[k] = -slope[i];
+            off[k] -= slope[i];
             right[k] += pushed(k) - pushed(i);
         }
     }
@@ -111,6 +141,7 @@ mod tests {
             let n = law.count;
             let mut belt = Belt::new(n);
             belt.t.fill(1.0.into());
+            belt.thickness.fill(law.thickness);
             belt.p = (0..n + 2).map(|i| (i as f64 * (law.thickness + gap)).into()).collect();
             Self {
                 force: vec![0.0; n],
@@ -122,8 +153,8 @@ mod tests {
         }
 
         fn evaluate(&mut self) {
-            chords(&self.belt.p, &mut self.belt.unit, &mut self.belt.length);
-            self.stack.evaluate(&self.law, self.dt, &self.belt);
+            chords(&self.belt.p, &mut self.belt.normal, &mut self.belt.distance);
+            self.stack.evaluate(&self.law, self.dt, &self.belt, 0.0);
         }
 
         fn step(&mut self) {

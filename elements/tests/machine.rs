@@ -89,7 +89,7 @@ fn a_pulley_that_slips_is_a_rope_in_a_wedge() {
             }
             let (v, w, window) = (belt.v[i].re, belt.w[i], usize::from(angle > 0.0));
             let speed = v * v * law.mass / belt.length[i] + w * w * law.parameters.ring.mass_per_length;
-            sums[window][0] += (machine.ring.tension[i] - machine.stack.push[i] - speed).ln();
+            sums[window][0] += (machine.ring.tension[i] - machine.stacks[0].push[i] - speed).ln();
             sums[window][1] += 1.0;
         }
         logarithm += sums[1][0] / sums[1][1] - sums[0][0] / sums[0][1];
