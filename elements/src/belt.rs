@@ -97,6 +97,7 @@ impl Belt {
             self.axis[i] = self.t[i] * Vector::from_polar(1.0, -self.pitch[i]);
         }
         close(&mut self.axis);
+        close(&mut self.pitch);
         close(&mut self.spin);
         for c in 0..=n {
             let (axis, chord) = (self.axis[c + 1], self.unit[c] * self.length[c]);

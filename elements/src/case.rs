@@ -72,6 +72,8 @@ impl Case {
     /// A value is out of its range.
     pub fn check(&self) -> Result<(), ParameterError> {
         let (of, (lowest, highest)) = (&self.options, self.parameters.ratio_range().into_inner());
+        let inertia = self.parameters.belt.element_inertia;
+        let least_inertia = if of.pitch { 1.0e-12 } else { 0.0 };
         for (name, value, [least, most]) in [
             ("ratio", self.ratio, [lowest, highest]),
             ("start-ratio", self.started(), [lowest, highest]),
@@ -85,6 +87,12 @@ impl Case {
             ("curvature-damping", of.curvature_damping, [0.0, 1.0]),
             ("film", of.film, [1.0e-9, 1.0e-3]),
             ("squeeze", of.squeeze, [0.0, 1.0e5]),
+            ("head", of.head, [1.0e-4, 0.1]),
+            ("flank", of.flank, [0.0, 0.1]),
+            ("crown", of.crown, [0.0, 1.0]),
+            ("clearance", of.clearance, [0.0, 1.0e-3]),
+            ("spread", of.spread, [0.0, 0.2]),
+            ("belt.elementInertia", inertia, [least_inertia, 1.0e-4]),
         ] {
             if !(least..=most).contains(&value) {
                 let range = format!("{} to {}", short(least), short(most));

@@ -58,6 +58,9 @@ pub struct Options {
     /// Pitch: clearance of a peg in its hole, m
     #[arg(long, default_value_t = 8.0e-5)]
     pub clearance: f64,
+    /// The line of the result has amplitudes of forces and torques at orders of the elements
+    #[arg(long)]
+    pub tone: bool,
     /// Thickness: elements of 1 ± this share, in random order
     #[arg(long, default_value_t = 0.0)]
     pub spread: f64,
@@ -88,6 +91,8 @@ pub struct Law {
     pub oil: Oil,
     /// Lever e_1 of the ring's friction, m.
     pub lever: f64,
+    /// Lever R_c − e_1 of the saddle's crown, m; 0 without pitch.
+    pub crown: f64,
     /// Contact of the flanks with a damping time of 1 s: its damping force is that of unit closing.
     pub unit_damped: Contact,
     /// Wedge of the sheaves.
@@ -144,6 +149,7 @@ impl Law {
             push_stiffness: belt.push_stiffness / thickness,
             oil,
             lever,
+            crown: if options.pitch { options.crown - lever } else { 0.0 },
             unit_damped: Contact {
                 damping: 1.0,
                 ..parameters.contact.clone()

@@ -22,7 +22,7 @@ use std::time::Instant;
 /// A case is RATIO-SHARE: a geometric ratio (low, under, medium, over, od or a number), and the
 /// torque over that of full slip. Sets of cases with their settings are in
 /// elements/results/sets.txt: short, loads, ladders, limit, laws, torque-free, idle, play, traction,
-/// rigid, oil, shifts.
+/// rigid, oil, shifts, pitch, tone.
 #[derive(clap::Parser)]
 #[command(name = "cargo fmu elements", bin_name = "cargo fmu elements")]
 struct Arguments {
@@ -30,7 +30,8 @@ struct Arguments {
     #[arg(required = true)]
     cases: Vec<String>,
     /// Folder of the results: CASE.csv (each millisecond), CASE-fields.csv (along the belt), with
-    /// --pitch CASE-tone.csv (forces and torques over revolutions), results.csv, shifts.csv or SET.csv (a line a case)
+    /// --tone CASE-tone.csv (forces and torques over revolutions), results.csv, shifts.csv or
+    /// SET.csv (a line a case)
     #[arg(long, default_value = "target/elements", overrides_with = "output")]
     output: PathBuf,
     /// The file of the lines, a line a case; a line of the same case and settings is replaced
@@ -139,6 +140,9 @@ fn one(of: &Arguments, name: &str, settings: &Settings, set: Option<&str>) -> Re
         )
     };
     if of.continuum {
+        if case.options.pitch || case.options.spread > 0.0 {
+            return Err("the FMU's model has neither pitch nor single thicknesses".into());
+        }
         for model in continuum::MODELS {
             let name = format!("{name},{}", model.0);
             match continuum::line(&case, model) {

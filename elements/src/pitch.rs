@@ -12,11 +12,12 @@
 //!   i + 1,
 //! - flanks: forces at Gauss' two heights −H_f (½ ± 1/√12), each with half of the stiffness,
 //! - ring: q e_1, and its contact force N on the saddle's crown of radius R_c, which rolls:
-//!   −N (R_c − e_1) sin φ; the ring gets the opposite couple.
+//!   −N (R_c − e_1) sin φ; the ring gets the opposite couple, and is lifted by
+//!   (R_c − e_1)(1 − cos φ).
 //!
 //! Heights, radius, clearance and k_p are typical values, not of a drawing. The equations of Π
-//! precede those of V and U in a step; cos (θ_{i+1} − θ_i) is 1. Left out: friction between faces, lift of the ring by a
-//! crown that rolls, a centre of mass away from the rocking edge.
+//! precede those of V and U in a step; cos (θ_{i+1} − θ_i) is 1. Left out: friction between
+//! faces, a centre of mass away from the rocking edge.
 
 use crate::belt::{Belt, Vector, close, dot};
 use crate::flanks::Flank;

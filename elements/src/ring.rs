@@ -51,9 +51,9 @@ rows! {
 impl Ring {
     /// Places of the nodes and the chords between them.
     pub fn place(&mut self, law: &Law, belt: &Belt) {
-        let e = Vector::new(0.0, law.parameters.belt.pitch_offset);
-        for (node, (p, t)) in self.node.iter_mut().zip(belt.p.iter().zip(&belt.t)) {
-            *node = p + e * t;
+        let (e, places) = (law.parameters.belt.pitch_offset, belt.p.iter().zip(&belt.t));
+        for ((node, (p, t)), pitch) in self.node.iter_mut().zip(places).zip(&belt.pitch) {
+            *node = p + Vector::new(0.0, e + law.crown * (1.0 - pitch.cos())) * t;
         }
         chords(&self.node, &mut self.unit, &mut self.length);
     }
@@ -61,11 +61,13 @@ impl Ring {
     /// Tension, moments and forces at the speeds of the step before.
     pub fn evaluate(&mut self, law: &Law, dt: f64, belt: &Belt) {
         let (n, ring, options) = (law.count, &law.parameters.ring, &law.options);
-        cut!(n + 2; belt => t, v, w, s);
+        let per_step = 1.0 / dt;
+        cut!(n + 2; belt => t, v, w, s, pitch, spin, turn);
         cut!(n + 1; self => unit, length);
         cut!(n + 1; mut self => tension, slope, steel, rate, turning);
         for i in 0..=n {
-            let velocity = |k: usize| Vector::new(w[k], v[k].im) * t[k];
+            let lifted = |k: usize| law.crown * pitch[k].sin() * (spin[k] - turn[k] * per_step);
+            let velocity = |k: usize| Vector::new(w[k], v[k].im + lifted(k)) * t[k];
             let faster = velocity(i + 1) - velocity(i);
             steel[i] = s[i + 1] - s[i];
             let inverse = 1.0 / steel[i];
@@ -90,7 +92,7 @@ impl Ring {
             shear[i] = (moment[i + 1] - moment[i]) / length[i];
         }
         let contact = &self.contact[..n + 1];
-        let (per_step, v0) = (1.0 / dt, law.parameters.friction.ring_velocity);
+        let v0 = law.parameters.friction.ring_velocity;
         for i in 1..=n {
             let pull = |c: usize| unit[c] * tension[c];
             let across = |c: usize| Vector::new(0.0, shear[c]) * unit[c];
@@ -139,7 +141,7 @@ impl Ring {
             contact[i] = -force[i].im - mass[i] * w[i] * own_turn[i];
             drag[i] = friction[i] * (w[i] - v[i].re - law.lever * spin[i]);
             couple[i] = if law.options.pitch {
-                contact[i] * (law.options.crown - law.lever) * belt.pitch[i].sin()
+                contact[i] * law.crown * belt.pitch[i].sin()
             } else {
                 law.lever * drag[i]
             };

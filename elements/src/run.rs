@@ -119,7 +119,7 @@ impl Row {
         mean
     }
 
-    /// The columns of [`header`].
+    /// The columns of a file of rows.
     pub fn line(&self) -> String {
         let ratios = [
             self.time,
@@ -154,11 +154,6 @@ pub fn csv(values: &[f64]) -> String {
     words.join(",")
 }
 
-/// Names of all columns.
-pub fn header() -> String {
-    format!("{COLUMNS},{},{LAST}", Ledger::NAMES)
-}
-
 /// A run.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -181,7 +176,7 @@ pub struct Run {
     recent: [[f64; 2]; PLACES],
     /// Revolutions of the belt.
     revolutions: f64,
-    /// Signals of the result, with free pitch.
+    /// Signals of the result, for its tone.
     pub tone: Vec<tone::Sample>,
 }
 
@@ -252,7 +247,7 @@ impl Run {
 
     /// Adds the signals of the tone.
     fn listen(&mut self) {
-        if !self.case.options.pitch || self.rows.is_empty() {
+        if !self.case.options.tone || self.rows.is_empty() {
             return;
         }
         self.revolutions += tone::revolutions(&self.machine);
@@ -435,21 +430,23 @@ impl Run {
 
     /// Names of the columns of [`line`](Self::line).
     pub fn header(&self) -> String {
-        let of = if self.case.options.pitch {
-            format!(",{}", tone::COLUMNS)
-        } else {
-            String::new()
-        };
-        format!("{}{of}", header())
+        if self.case.options.tone {
+            return tone::COLUMNS.to_owned();
+        }
+        format!("{COLUMNS},{},{LAST}", Ledger::NAMES)
     }
 
-    /// The result, and the tone with free pitch.
+    /// The result, or its tone.
     pub fn line(&self) -> String {
-        let mut line = self.quarter(1).line();
-        if self.case.options.pitch {
-            line += &format!(",{}", csv(&tone::amplitudes(&self.tone, self.machine.law.count)));
+        let result = self.quarter(1);
+        if !self.case.options.tone {
+            return result.line();
         }
-        line
+        let state = [result.ratio(), result.thrust_ratio(), result.slip()];
+        let [forces, _, speeds, torques] = result.means;
+        let means = [forces, speeds, torques];
+        let amplitudes = tone::amplitudes(&self.tone, self.machine.law.count);
+        csv(&[&state[..], means.as_flattened(), &amplitudes].concat())
     }
 
     /// Signals of the result, CSV.
@@ -461,7 +458,7 @@ impl Run {
     /// Rows so far, CSV.
     pub fn rows_csv(&self) -> String {
         let lines = self.rows.iter().map(|row| row.line() + "\n");
-        format!("{}\n{}", header(), lines.collect::<String>())
+        format!("{COLUMNS},{},{LAST}\n{}", Ledger::NAMES, lines.collect::<String>())
     }
 
     /// Writes the run to an archive, or reads it.

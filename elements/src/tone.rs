@@ -13,8 +13,9 @@ use std::f64::consts::TAU;
 /// the belt, m, pitch, rad, normal force of a flank, N, and sliding speed, m/s.
 pub const SIGNALS: &str = "revolutions,secondary.axialForce,primary.axialForce,secondary.beltTorque,\
     primary.beltTorque,place,pitch,normalForce,slidingSpeed";
-/// Columns of the amplitudes, N and N·m.
-pub const COLUMNS: &str = "secondary.axialForce.N,primary.axialForce.N,secondary.beltTorque.N,\
+/// Columns of a line: means, and the amplitudes at orders N and 2N, N and N·m.
+pub const COLUMNS: &str = "ratio,thrustRatio,slip,secondary.axialForce,primary.axialForce,secondary.speed,\
+    primary.speed,secondary.beltTorque,primary.beltTorque,secondary.axialForce.N,primary.axialForce.N,secondary.beltTorque.N,\
     primary.beltTorque.N,secondary.axialForce.2N,primary.axialForce.2N,secondary.beltTorque.2N,\
     primary.beltTorque.2N";
 
@@ -29,7 +30,7 @@ pub fn revolutions(machine: &Machine) -> f64 {
     machine.dt * speed / (n as f64 * length)
 }
 
-/// Amplitudes of the columns, for `count` elements.
+/// Amplitudes of the last eight columns, for `count` elements.
 pub fn amplitudes(samples: &[Sample], count: usize) -> [f64; 8] {
     let mut sums = [Vector::default(); 8];
     let (mut means, mut weight) = ([0.0; 4], 0.0);

@@ -70,6 +70,8 @@ fn bad_input_is_one_line_and_no_run() {
         ("medium-0.4", "--force=NaN", "force"),
         ("medium-0.4", "--step=1", "step"),
         ("medium-0.4", "--film=0", "film"),
+        ("medium-0.4", "--crown=-1", "crown"),
+        ("medium-0.4", "--spread=0.5", "spread"),
     ] {
         let words = if word.is_empty() { vec![name] } else { vec![name, word] };
         let (output, errors) = run(&place, &words);
@@ -80,6 +82,35 @@ fn bad_input_is_one_line_and_no_run() {
         assert_eq!(errors.lines().count(), 1, "{errors}");
     }
     assert!(!place.join("results.csv").exists());
+}
+
+#[test]
+fn a_line_of_tone_has_amplitudes() {
+    let place = folder("tone");
+    let words = [
+        "medium-0.4",
+        "--pitch",
+        "--tone",
+        "--duration",
+        "0.006",
+        "--step",
+        "4e-6",
+    ];
+    run(&place, &words);
+    let lines = fs::read_to_string(place.join("results.csv")).unwrap();
+    let [names, values] = [0, 1].map(|k| lines.lines().nth(k).unwrap().split(',').collect::<Vec<_>>());
+    assert!(
+        names.len() == values.len() && names[10] == "secondary.axialForce.N",
+        "{lines}"
+    );
+    assert!(values[10].parse::<f64>().unwrap() > 0.1, "{lines}");
+    // The state of a run that is done has the samples.
+    let before = lines.clone();
+    let (_, errors) = run(&place, &words);
+    assert!(errors.contains("goes on"), "{errors}");
+    assert_eq!(before, fs::read_to_string(place.join("results.csv")).unwrap());
+    let (_, errors) = run(&place, &["medium-0.4", "--pitch", "--continuum"]);
+    assert!(errors.contains("neither pitch"), "{errors}");
 }
 
 #[test]
