@@ -51,7 +51,6 @@ rows! {
         turn: f64, "Δχ since the step before, rad.";
         unit: Vector, "Unit vectors of the chords.";
         length: f64, "Lengths of the chords, m.";
-        thickness: f64, "Thickness of the element in front of a gap, m.";
         pitch: f64, "φ, rad.";
         spin: f64, "Π, rad/s.";
         axis: Vector, "a.";

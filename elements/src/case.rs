@@ -140,10 +140,16 @@ impl Case {
         let (primary, secondary) = (radii.primary, radii.secondary);
         let path = Path::new(law.axes[1], [secondary, primary]);
         let n = law.count;
-        let points = (0..n).map(|i| path.at(i as f64 / n as f64 * path.length()));
+        let mut thicker = 0.0;
+        let points: Vec<_> = (0..n)
+            .map(|i| {
+                thicker += law.thicknesses[i] - law.thickness;
+                path.at((i as f64 / n as f64 * path.length() + thicker).rem_euclid(path.length()))
+            })
+            .collect();
         let (r0, tan_beta) = (law.r0, law.wedge.tan);
         let ring_over_pitch = self.parameters.geometry.belt_length / path.length();
-        let mut machine = Machine::new(law, self.step(), points);
+        let mut machine = Machine::new(law, self.step(), points.into_iter());
         let speed = self.options.speed * primary;
         machine.belt.v.fill(speed.into());
         machine.belt.w.fill(speed * ring_over_pitch);

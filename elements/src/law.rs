@@ -83,6 +83,8 @@ pub struct Law {
     pub count: usize,
     /// Thickness h of an element, m.
     pub thickness: f64,
+    /// Thickness of the element in front of each gap, m, with copies.
+    pub thicknesses: Vec<f64>,
     /// Mass of an element, kg.
     pub mass: f64,
     /// Contact stiffness between neighbours k_e/h, N/m.
@@ -145,6 +147,7 @@ impl Law {
             options: options.clone(),
             count: count as usize,
             thickness,
+            thicknesses: thicknesses(count as usize, thickness, options.spread),
             mass: belt.mass_per_length * thickness,
             push_stiffness: belt.push_stiffness / thickness,
             oil,
@@ -172,21 +175,6 @@ impl Law {
         })
     }
 
-    /// Sets the thickness of each element, in an order of chance that is the same each time; the
-    /// stack is as long as without spread.
-    pub fn spread(&self, thickness: &mut [f64]) {
-        let mut state = 1_u32;
-        for value in thickness[..self.count].iter_mut() {
-            // Numerical Recipes' generator; its upper bit.
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let side = if state >> 31 == 0 { -1.0 } else { 1.0 };
-            *value = 1.0 + side * self.options.spread;
-        }
-        let scale = self.thickness * self.count as f64 / thickness[..self.count].iter().sum::<f64>();
-        thickness[..self.count].iter_mut().for_each(|value| *value *= scale);
-        thickness[self.count] = thickness[0];
-    }
-
     /// Parameters of the pulleys.
     pub fn pulleys(&self) -> [&PulleyParameters; 2] {
         [&self.parameters.secondary, &self.parameters.primary]
@@ -197,4 +185,19 @@ impl Law {
         let stiffness = self.parameters.ring.bending_stiffness;
         (dt + self.options.curvature_damping) * stiffness / self.thickness.powi(3)
     }
+}
+
+/// Thicknesses of 1 ± `spread` times their mean, m, in an order of chance that is the same each time.
+fn thicknesses(count: usize, mean: f64, spread: f64) -> Vec<f64> {
+    let mut state = 1_u32;
+    let mut shares: Vec<_> = (0..count)
+        .map(|_| {
+            // Numerical Recipes' generator; its upper bit.
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            if state >> 31 == 0 { 1.0 - spread } else { 1.0 + spread }
+        })
+        .collect();
+    shares.extend([shares[0], shares[1]]);
+    let scale = count as f64 / shares[..count].iter().sum::<f64>();
+    shares.into_iter().map(|share| mean * (share * scale)).collect()
 }

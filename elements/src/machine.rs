@@ -116,7 +116,6 @@ impl Machine {
         belt.p[1..=n].iter_mut().zip(points).for_each(|(p, point)| *p = point);
         belt.place(law.options.pitch);
         belt.turn.fill(0.0);
-        law.spread(&mut belt.thickness);
         ring.place(law, belt);
         let per_chord = law.parameters.geometry.belt_length / ring.length[1..=n].iter().sum::<f64>();
         for i in 1..n {

@@ -140,7 +140,6 @@ mod tests {
         };
         let chance = |k: usize| ((k * 37 + 11) % 19) as f64 / 9.0 - 1.0;
         let mut belt = Belt::new(n);
-        law.spread(&mut belt.thickness);
         // An arc of 40 mm, with gaps of ± 0.3 µm, closed far from contact.
         for i in 1..=n {
             let along = law.thickness * i as f64 + 3.0e-7 * chance(i);

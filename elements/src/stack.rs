@@ -44,7 +44,8 @@ impl Stack {
     /// The law at the present gaps and speeds of the elements, at a `height` above their edges, m.
     pub fn evaluate(&mut self, law: &Law, dt: f64, belt: &Belt, height: f64) {
         let gaps = law.count + 1;
-        cut!(gaps; belt => normal, offset, thickness);
+        cut!(gaps; belt => normal, offset);
+        let thickness = &law.thicknesses[..gaps];
         cut!(gaps + 1; belt => v, t, spin);
         cut!(gaps; mut self => push, rate, slope, damping, oil);
         // The overlap, which the push force then replaces.
@@ -77,7 +78,7 @@ impl Stack {
 
     /// Elastic energy, J.
     pub fn energy(law: &Law, belt: &Belt, height: f64) -> f64 {
-        let overlap = |c| belt.thickness[c] - distance(belt, c, height);
+        let overlap = |c| law.thicknesses[c] - distance(belt, c, height);
         let of = |c| soft_plus_energy(overlap(c), law.parameters.belt.roughness);
         law.push_stiffness * (1..=law.count).map(of).sum::<f64>()
     }
@@ -141,7 +142,6 @@ mod tests {
             let n = law.count;
             let mut belt = Belt::new(n);
             belt.t.fill(1.0.into());
-            belt.thickness.fill(law.thickness);
             belt.p = (0..n + 2).map(|i| (i as f64 * (law.thickness + gap)).into()).collect();
             Self {
                 force: vec![0.0; n],

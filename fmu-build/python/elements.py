@@ -28,8 +28,19 @@ Line = dict[str, float]
 
 def read(name: str) -> dict[tuple[str, str], Line]:
     """Lines of a file by case and model; single elements are the model ""."""
-    with (RESULTS / f"{name}.csv").open(encoding="utf-8") as file:
+    return read_file(RESULTS / f"{name}.csv")
+
+
+def read_file(path: Path) -> dict[tuple[str, str], Line]:
+    """As `read`."""
+    with path.open(encoding="utf-8") as file:
         return {(row.pop("case"), row.pop("model", "")): {key: float(value or "nan") for key, value in row.items()} for row in csv.DictReader(file)}
+
+
+def along(name: str) -> list[Line]:
+    """Fields along the belt."""
+    with (RESULTS / f"{name}-fields.csv").open(encoding="utf-8") as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
 
 def draw(picture: Path) -> None:
@@ -38,7 +49,7 @@ def draw(picture: Path) -> None:
     stored = {key: line for name in files for key, line in read(name).items()}
     shifts = read("shifts") | read("shifts-continuum")
     plt.rcParams.update({"font.size": 8, "axes.spines.top": False, "axes.spines.right": False, "axes.titlesize": 9, "axes.titlelocation": "left"})
-    figure, places = plt.subplots(2, 4, figsize=(12.06, 6.0), layout="constrained")
+    figure, places = plt.subplots(3, 4, figsize=(12.06, 9.0), layout="constrained")
     panels = iter(places.flat)
 
     def panel(title: str, x: str) -> Any:
@@ -113,6 +124,23 @@ def draw(picture: Path) -> None:
             axes.plot(place, stored[case, model]["thrustRatio"], style, color=colour, ms=5 if style == "o" else 16, mew=2, label="" if place else label)
     axes.set_xticks(range(3), ["2.25, r 0", "0.444, r 0", "0.444, r 0.6"])
     axes.set_xlim(-0.5, 2.5)
+    for y, title, scale in (("pitch", "Pitch along the belt (mrad), r 0.4", 1e3), ("normalForce", "Normal force of a flank (N), r 0.4", 1.0)):
+        axes = panel(title, "place over the belt's length")
+        for name, colour in zip(("low", "medium", "od"), COLOURS, strict=False):
+            fields = along(f"pitch-{name}")
+            shares = [line["position"] / fields[-1]["position"] for line in fields]
+            axes.plot(shares, [scale * line[y] for line in fields], color=colour, lw=1.2, label=f"r_S/r_P {RATIOS[name]:g}")
+    tones = read_file(ROOT / "resources" / "tone.csv")
+    for of, unit, title in (("axialForce", 1.0, "Axial force at order N (N), 15 kN"), ("beltTorque", 1e3, "Torque at order N (mN·m), 15 kN")):
+        axes = panel(title, "speed of P (rad/s); open: thickness ± 2 %")
+        for name, colour in zip(("low", "medium", "od"), COLOURS, strict=False):
+            for pulley, style in (("secondary", "-"), ("primary", "--")):
+                column = f"{pulley}.{of}.N"
+                found = [(speed, unit * tones[f"{name}-0.4-15kN-{speed}", ""][column]) for speed in (100, 200, 400)]
+                axes.plot(*zip(*found, strict=True), style, color=colour, lw=1.2, marker="o", ms=4, label=f"r_S/r_P {RATIOS[name]:g}, {pulley[0].upper()}")
+                spread = [(speed, unit * tones[key, ""][column]) for speed in (100, 200, 400) if (key := f"{name}-0.4-15kN-{speed}-spread", "") in tones]
+                axes.plot(*zip(*spread, strict=True), "o", color=colour, ms=4, mfc="none")
+        axes.set_yscale("log")
     for axes in places.flat:
         if axes.get_legend_handles_labels()[1]:
             axes.legend(frameon=False, fontsize=7, loc="best")
