@@ -143,8 +143,6 @@ class Belt:
         """Largest ratio between the stops; the smallest is its reciprocal, as both pulleys are alike."""
         return stops({name: entry.value for name, entry in self.entries.items()})[1]
 
-    # Parameters of the FMU
-
     @cached_property
     def entries(self) -> dict[str, Entry]:
         """Parameters that follow from the dimensions, by FMU name."""

@@ -121,9 +121,6 @@ def detect(trace: Trace) -> list[Event]:
     return sorted((event for event in events if event.occurred or whole), key=lambda event: (not event.occurred, event.start))
 
 
-# Checks
-
-
 def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: float, high: float, unit: str) -> Check:
     pairs = list(values)
     outside = [result.case.name for result, value in pairs if not low <= value <= high]

@@ -153,9 +153,6 @@ def panel_data(panel: Panel, linked: bool = False) -> dict[str, Any]:
     return {"data": traces, "layout": _layout(panel, linked)}
 
 
-# Numbers
-
-
 def encoded(values: ArrayLike) -> Any:
     """Numbers in a form that plotly reads: short arrays as a list, long ones as the bytes of 32-bit floats."""
     array = np.asarray(values, dtype=float)
@@ -180,9 +177,6 @@ def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
         keep |= {start, end - 1, start + order[0], start + order[np.isfinite(part).sum() - 1]}
     kept = np.array(sorted(keep))
     return x[kept], y[kept]
-
-
-# Traces
 
 
 def _traces(one: Series, linked: bool) -> list[dict[str, Any]]:
@@ -250,9 +244,6 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
         places, texts = zip(*one.ticks, strict=True)
         trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
     return trace
-
-
-# Axes
 
 
 def _axis(label: str, ticks: Sequence[Tick], span: tuple[float, float] | None, scale: str) -> dict[str, Any]:

@@ -69,9 +69,6 @@ def read(path: Path, names: Names, sheet: str | None = None, encoding: str | Non
     return _text(data, names, encoding)
 
 
-# Text
-
-
 def _decoded(data: bytes, encoding: str | None = None) -> tuple[str, str]:
     if encoding is None and data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
         encoding = "utf-16"
@@ -147,9 +144,6 @@ def _separator(lines: Sequence[str], names: Names) -> str:
     return max(rows, key=lambda one: (max(map(names.count, rows[one])), sum(len(row) > 1 for row in rows[one])))
 
 
-# Spreadsheets
-
-
 @contextmanager
 def _reader(kind: str, package: str, extra: str) -> Iterator[None]:
     """Errors of a package that reads files, such as `an .xlsx` file, as a TextError: they have no common base class."""
@@ -208,9 +202,6 @@ def _cell(cell: Any) -> str | float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return " ".join(str(value).split())
     return Percent(100.0 * value) if "%" in str(cell.number_format) else value
-
-
-# Data frames
 
 
 def _parquet(data: bytes) -> Cells:

@@ -146,9 +146,6 @@ def doubts(p: _Points) -> dict[str, str]:
     return found
 
 
-# Other readings
-
-
 class Other(NamedTuple):
     text: str
     columns: Mapping[str, Taken]  # What columns would be, by the known names that they have now

@@ -172,9 +172,6 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
         raise TableError(str(error), path) from error
 
 
-# Header
-
-
 def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]]:
     """Titles, units, row of the titles, first row of values, and remarks. Raises TextError if the titles are below each other."""
     head = cells.head()
@@ -203,9 +200,6 @@ def _is_row_of_units(row: Sequence[str]) -> bool:
     known = [cell for cell in filled if units.is_unit(cell)]
     numbers = [cell for cell in filled if cell != "1" and any(numerals.number(cell, name) is not None for name in numerals.SIGNS)]
     return bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled) and not numbers
-
-
-# Columns and values
 
 
 class _Reader:
@@ -277,8 +271,6 @@ class _Reader:
                 text = f"'{word}': the row is not valid" if valid is not None else f"'{word}': no measured row"
                 self.sheet.left_out.append(Fault(text, int(line), title or None))
 
-    # Titles
-
     def _take(self) -> None:
         """Chooses a column for each known name: what the user wants, else a title with a pulley, else a clock before a date."""
         renamed = self._renamed()
@@ -336,8 +328,7 @@ class _Reader:
         sign, name = turned(said or wanted or "")
         candidates = self.names.split(name or title)
         if not candidates or (title.startswith("#") and not name):
-            self._unknown(title)
-            return None
+            return self._unknown(title)
         written = self._unit(place, title, candidates[0], bool(name))
         for name, _ in candidates:
             column = self._column(name)
@@ -358,8 +349,7 @@ class _Reader:
         self.sheet.failed.add(name)
         usual = units.usual(self._column(name).dimension)
         no_unit = f"no unit; write {' or '.join(f'{name} [{unit}]' for unit in usual)}"
-        self._fault(f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit, title)
-        return None
+        return self._fault(f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit, title)
 
     def _column(self, name: str) -> Column:
         return self.names.columns[name.removesuffix(DEVIATION)]
@@ -386,8 +376,6 @@ class _Reader:
             self._fault(f'there is no such column; {near} is meant? --map "{title}"={near} says so', title)
         else:
             self.sheet.ignored.append(title)
-
-    # Numbers
 
     def _extra_cells(self) -> None:
         """Cells beyond the last title."""
