@@ -176,8 +176,10 @@ def test_pressure_is_a_first_order_lag_within_limits() -> None:
         assert circuit.pressure == pytest.approx(limit)
 
 
-def test_a_fixed_safety_factor_scales_the_estimated_torque() -> None:
+def test_a_fixed_safety_factor_scales_the_estimated_torque_and_another_strategy_is_named() -> None:
     assert SafetyFactor(FRICTION).force(MEASURED, STEP) == pytest.approx(1.3 * 58.0 / 50.0 * CARRIED)
+    with pytest.raises(ValueError, match="Slip"):
+        transmission.TransmissionControl(CAR, "Slip", FRICTION, MAP)
 
 
 def test_map_is_bilinear_constant_beyond_and_its_shift_rates_are_inverted() -> None:
@@ -306,11 +308,6 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
         before, target = target, transmission.ratio_target(200.0, 600.0, target, STEP)
         assert abs(math.log(target / before)) <= 1.2 * STEP + 1e-12
     assert target == pytest.approx(transmission.RATIO_LIMITS[0])
-
-
-def test_an_unknown_strategy_is_named() -> None:
-    with pytest.raises(ValueError, match="Slip"):
-        transmission.TransmissionControl(CAR, "Slip", FRICTION, MAP)
 
 
 # With the FMU

@@ -22,7 +22,9 @@ MODULES = {one.__name__: one for one in (inspect, pushbelt, pytest)} | {"np": np
 def results(coarse: Variator) -> dict[str, Any]:
     point = {"ratio": 1.0, "torque": 30.0, "force": 9e3}
     maps = coarse.thrust_map([0.9, 1.0], [20.0, 30.0], force=9e3)
-    return {"state": coarse.steady(**point), "bands": coarse.bands(**point), "model": coarse.linearize(**point), "maps": maps}
+    of_maps = pushbelt.MapVariator(count=2)
+    of_maps.start(1.0, [200.0, 100.0])
+    return {"state": coarse.steady(**point), "bands": coarse.bands(**point), "model": coarse.linearize(**point), "maps": maps, "of_maps": of_maps}
 
 
 @pytest.mark.parametrize("guess", GUESSES)
