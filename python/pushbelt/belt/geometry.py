@@ -4,8 +4,6 @@ Engineering values are those with which the formulas give the published variator
 24 mm wide and 1.5 mm thick. A test checks that.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields

@@ -1,7 +1,5 @@
 """Events of the manoeuvre, detected from its outputs, and checks of all results of a run."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The report: one self-contained HTML file."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The simulations of the demo, in parallel processes with a progress bar: load cases and a manoeuvre."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

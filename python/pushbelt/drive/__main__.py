@@ -1,7 +1,5 @@
 """Drives a car with the FMU on the WLTC or the NEDC, and writes a report."""
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 import sys

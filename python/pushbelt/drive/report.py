@@ -1,7 +1,5 @@
 """The drive report, one self-contained HTML file: figures of merit of the runs, and their figures."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path

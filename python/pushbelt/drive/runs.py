@@ -1,7 +1,5 @@
 """The runs of the report, in parallel processes with a progress bar, and the standard deviation of their losses."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The report: Bode and step plots, and a table of the points, in one self-contained HTML file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any

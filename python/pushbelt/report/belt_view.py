@@ -1,7 +1,5 @@
 """Animation of the belt on its pulleys with a time slider: push force, or tension of a chain, in colour, gaps and spiral running magnified."""
 
-from __future__ import annotations
-
 import base64
 import json
 from collections.abc import Mapping

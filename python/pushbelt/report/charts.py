@@ -5,8 +5,6 @@ draws each panel; `charts.js.j2` has the layout that all panels have, and adds t
 a linked chart share cursor and zoom along x.
 """
 
-from __future__ import annotations
-
 import base64
 import itertools
 import json

@@ -1,7 +1,5 @@
 """Common parts of the reports: number formats, templates, the embedded library of the figures."""
 
-from __future__ import annotations
-
 import base64
 import functools
 import gzip

@@ -1,7 +1,5 @@
 """Progress bars, and simulations in parallel processes with a common one."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

@@ -4,8 +4,6 @@ A doubt is a property that the whole table has, such as a belt speed of 1 m/s. T
 units, and exchanged columns. A reading is named if it removes doubts and adds none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """What a rig's table measures: steady points, or recorded shifts. Errors are reported by line and column, all at once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

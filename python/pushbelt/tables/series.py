@@ -1,7 +1,5 @@
 """Plateaus of a recording: stretches in which no channel changes, each averaged to a row."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Units of table columns in their usual spellings, and their factors to SI."""
 
-from __future__ import annotations
-
 import math
 import re
 import unicodedata
