@@ -1,7 +1,5 @@
 """Fatigue of the ring: cycles, damage, refused tables, and the report."""
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 import json

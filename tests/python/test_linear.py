@@ -1,7 +1,5 @@
 """Linear models: of the FMU, in Python, on the command line, in files, in the report, and in a controller."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

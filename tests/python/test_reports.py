@@ -1,7 +1,5 @@
 """A page with every kind of figure, as a reader uses it: legible on a desktop and a telephone, by pointer and by keyboard."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from dataclasses import replace

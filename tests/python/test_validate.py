@@ -1,7 +1,5 @@
 """The comparison with theory and measurements: verdicts, data, and a short run."""
 
-from __future__ import annotations
-
 import json
 import math
 import re
