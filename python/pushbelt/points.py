@@ -47,7 +47,6 @@ def _states(name: str, value: Any) -> str:
     return value
 
 
-# Rules of arguments
 POINT = {
     "ratio": number(above=0.0), "torque": number("N·m"), "speed": number("rad/s"), "force": optional(number("N", least=0.0)),
     "safety": optional(number(above=0.0)), "thrust_ratio": optional(number(above=0.0)),

@@ -94,7 +94,9 @@ def _text(data: bytes, names: Names, known: str | None) -> Cells:
     shown = [line for line in lines if line.strip(' ,;|\t"')]
     if not shown:
         raise TextError("the table is empty")
-    separator = _separator(shown[:HEAD], names)
+    # That by which the lines have most known names; among equals, that in most lines.
+    rows = {sign: [_split(line, sign) for line in shown[:HEAD]] for sign in SEPARATORS}
+    separator = max(rows, key=lambda one: (max(map(names.count, rows[one])), sum(len(row) > 1 for row in rows[one])))
     name = f"{encoding.upper()}, {SEPARATORS[separator]} between columns"
     if separator == "  ":
         lines, separator = ["\x1f".join(_split(line, "  ")) if line.strip() else "" for line in lines], "\x1f"
@@ -136,12 +138,6 @@ def _with_header(lines: Sequence[str], names: Names) -> list[str]:
         best = max(remarks, key=lambda place: most(remarks[place]))
         found[best] = remarks[best] if most(remarks[best]) >= LEAST_NAMES else ""
     return found
-
-
-def _separator(lines: Sequence[str], names: Names) -> str:
-    """The separator by which the lines have most known names; among equals, the one in most lines."""
-    rows = {separator: [_split(line, separator) for line in lines] for separator in SEPARATORS}
-    return max(rows, key=lambda one: (max(map(names.count, rows[one])), sum(len(row) > 1 for row in rows[one])))
 
 
 @contextmanager

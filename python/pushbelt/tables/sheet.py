@@ -175,7 +175,6 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
 def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]]:
     """Titles, units, row of the titles, first row of values, and remarks. Raises TextError if the titles are below each other."""
     head = cells.head()
-    # The first of the rows with most names.
     at = max(range(len(head)), key=lambda row: (names.count(head[row]), -row))
     titles = head[at]
     if any(names.count([row[k] for row in head]) > max(names.count(titles), 2.0) for k in range(min(2, len(titles)))):
@@ -195,9 +194,9 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
 
 
 def _is_row_of_units(row: Sequence[str]) -> bool:
-    """No numbers apart from the unit 1, and at least half of the cells are units."""
+    """No numbers apart from the unit 1, and at least half of the cells are known units, or in brackets like one."""
     filled = [cell for cell in row if cell]
-    known = [cell for cell in filled if units.is_unit(cell)]
+    known = [cell for cell in filled if units.dimensions(cell) or re.fullmatch(r"\[[^\]]*\]|\([^)]*\)", cell)]
     numbers = [cell for cell in filled if cell != "1" and any(numerals.number(cell, name) is not None for name in numerals.SIGNS)]
     return bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled) and not numbers
 

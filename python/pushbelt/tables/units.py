@@ -157,12 +157,6 @@ def dimensions(text: str) -> frozenset[str]:
     return frozenset(dimension for dimension in SPELLED if find(text, dimension) is not None)
 
 
-def is_unit(text: str) -> bool:
-    """Whether a text is a known unit, or is written in brackets like one."""
-    text = text.strip()
-    return bool(dimensions(text)) or bool(re.fullmatch(r"\[[^\]]*\]|\([^)]*\)", text))
-
-
 def usual(dimension: str) -> list[str]:
     """The usual units of a dimension, for messages; the first one is SI."""
     return [words.split()[0] for words in SPELLED[dimension]][:2]
