@@ -116,16 +116,14 @@ def test_a_cycle_of_one_s_own(tmp_path: Path) -> None:
             of_file(tmp_path / "own.csv")
 
 
-def test_engine_keeps_its_limits_and_the_road_its_load() -> None:
+def test_engine_brake_and_road_keep_their_limits() -> None:
     speeds = np.linspace(1.0, 700.0, 400)
     torques = np.array([CAR.full_load(speed) for speed in speeds])
     assert torques.max() == CAR.max_torque
     assert (torques * speeds).max() <= CAR.max_power * (1.0 + 1e-12)
     assert CAR.full_load(CAR.max_speed) < 0.0
     assert CAR.road_load(-30.0) == pytest.approx(-0.6 * CAR.drag_area * 900.0 - 9.81 * CAR.mass * CAR.rolling_resistance)
-
-
-def test_brake_holds_without_ringing() -> None:
+    # The brake holds without ringing.
     speed = 0.2
     for _ in range(200):
         speed -= STEP / CAR.mass * CAR.brake_force(5000.0, speed, STEP)

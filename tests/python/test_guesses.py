@@ -24,7 +24,9 @@ def results(coarse: Variator) -> dict[str, Any]:
     maps = coarse.thrust_map([0.9, 1.0], [20.0, 30.0], force=9e3)
     of_maps = pushbelt.MapVariator(count=2)
     of_maps.start(1.0, [200.0, 100.0])
-    return {"state": coarse.steady(**point), "bands": coarse.bands(**point), "model": coarse.linearize(**point), "maps": maps, "of_maps": of_maps}
+    grid = coarse.linear_grid([0.7, 1.5], [30.0, 700.0], force=11e3, states="physical")
+    found = {"state": coarse.steady(**point), "bands": coarse.bands(**point), "model": coarse.linearize(**point)}
+    return {**found, "maps": maps, "of_maps": of_maps, "grid": grid}
 
 
 @pytest.mark.parametrize("guess", GUESSES)

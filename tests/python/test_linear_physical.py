@@ -174,20 +174,6 @@ def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, coarse: Vari
     assert near.held["primary.clampingForce"] == pytest.approx(there.held["primary.clampingForce"], rel=0.03)
 
 
-@pytest.mark.parametrize(
-    ("point", "why"),
-    [
-        ({"ratio": 0.75}, "a value of torque is missing: the grid has 2 values"),
-        ({"ratio": 0.6, "torque": 30.0}, "ratio = 0.6 is outside of the grid, 0.7 to 1.5"),
-        ({"ratio": 0.75, "torque": 30.0, "force": 9e3}, "the grid has no axis force; its axes are ratio, torque"),
-        ({"ratio": 0.75, "torque": 300.0}, "no linear model next to .*700 N·m.*the capacity is"),
-    ],
-)
-def test_a_point_that_cannot_be_interpolated_is_named(grid: LinearGrid, point: dict[str, float], why: str) -> None:
-    with pytest.raises(ValueError, match=why):
-        grid.interpolate(**point)
-
-
 @pytest.mark.parametrize("sampled", [True, False])
 def test_models_of_other_kinds_are_not_mixed(sampled: bool, tmp_path: Path) -> None:
     """With and without a sample time, and in modal coordinates, which have no mean."""

@@ -38,11 +38,6 @@ for line in sys.argv[1:]:
 """  # A step, and command lines, in an environment in which packages are not installed
 
 
-def test_the_package_completes_to_what_is_public() -> None:
-    assert dir(pushbelt) == sorted(pushbelt.__all__)
-    assert all(getattr(pushbelt, name) is not None for name in dir(pushbelt))
-
-
 def test_every_object_describes_itself_in_one_line(belt: Variator) -> None:
     texts = [repr(belt)]
     belt.step(0.002)

@@ -4,7 +4,6 @@ import math
 import pickle
 import zipfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,17 +16,9 @@ import pushbelt
 from pushbelt import cli, variator
 from pushbelt.fmu import data, files, unit
 from pushbelt.fmu.enumerations import RingModel
-from pushbelt.fmu.start_values import StartValueError, checked
+from pushbelt.fmu.start_values import StartValueError
 
 pytestmark = pytest.mark.usefixtures("own_cache")
-
-
-def test_text_and_numbers_get_the_type_of_their_variable(variables: dict[str, Any]) -> None:
-    given = {"belt.play": "2e-4", "mesh.strand": "12", "initial.steady": "False", "ring.model": "ALE0", "primary.drive": 2.0}
-    found = checked(variables, given)
-    assert found == {"belt.play": 2e-4, "mesh.strand": 12, "initial.steady": False, "ring.model": 1, "primary.drive": 2}
-    assert [type(value) for value in found.values()] == [float, int, bool, int, int]
-    assert checked(variables, {"ring.model": RingModel.ALE}) == {"ring.model": 2}
 
 
 def test_a_run_is_that_of_the_fmu_call_by_call(belt: variator.Variator, archive: unit.Archive) -> None:
