@@ -72,20 +72,6 @@ def test_a_table_of_inputs_gives_a_table_of_outputs(belt: Variator) -> None:
         belt.simulate(inputs)
 
 
-@pytest.mark.parametrize(
-    ("table", "why"),
-    [
-        (pd.DataFrame({"primary.torqe": [1.0, 2.0]}), "primary.torqe"), (pd.DataFrame({"primary.torque": [1.0, 2.0]}, index=[1.0, 0.5]), "ascend"),
-        (pd.DataFrame({"primary.torque": [1.0]}), "1 rows"), (pd.DataFrame({"primary.torque": ["1 Nm", "2"]}), "1 Nm"),
-        (pd.DataFrame({"primary.torque": [1.0, np.nan]}), "primary.torque"), ({"primary.torque": [1.0, 2.0]}, "dict"),
-    ],
-)  # fmt: skip
-def test_a_table_that_is_not_usable_changes_nothing(belt: Variator, table: pd.DataFrame, why: str) -> None:
-    with pytest.raises(ValueError, match=why):
-        belt.simulate(table)
-    assert len(belt.outputs) == 0
-
-
 def test_variables_are_listed(fmu: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def listed(*words: str) -> str:
         assert cli.main(["variables", *words, "--fmu", str(fmu)]) == 0
