@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +18,7 @@ OVERLOAD = "Over-torque with macro-slip"  # Name of the event that the over-torq
 STEP, WITHIN = 20.0, 0.03  # Least step of the primary torque, N·m, and its largest duration, s
 
 
-@dataclass(frozen=True)
-class Event:
+class Event(NamedTuple):
     name: str
     occurred: bool
     evidence: str  # Description of the event by its outputs

@@ -10,7 +10,7 @@ import itertools
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from markupsafe import Markup, escape
@@ -49,8 +49,7 @@ class Series:
     bar_width: float | None = None
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(NamedTuple):
     """Values over a grid, as filled contours or as labelled contour lines."""
 
     name: str
@@ -64,8 +63,7 @@ class Field:
     lines_only: bool = False
 
 
-@dataclass(frozen=True)
-class Shade:
+class Shade(NamedTuple):
     """A stretch along x."""
 
     start: float
@@ -75,16 +73,14 @@ class Shade:
     opacity: float = 0.12
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(NamedTuple):
     """A line at one x."""
 
     x: float
     label: str = ""
 
 
-@dataclass(frozen=True)
-class Level:
+class Level(NamedTuple):
     """A line at one y."""
 
     y: float

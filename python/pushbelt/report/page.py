@@ -6,9 +6,8 @@ import gzip
 import platform
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jinja2
 from markupsafe import Markup
@@ -20,8 +19,7 @@ from . import style
 MINUS = "\N{MINUS SIGN}"
 
 
-@dataclass(frozen=True)
-class Check:
+class Check(NamedTuple):
     """A statement about results, and whether they confirm it."""
 
     statement: str

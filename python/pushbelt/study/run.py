@@ -11,10 +11,9 @@ import time
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pushbelt.fmu.unit import Archive
 from pushbelt.report import side_by_side
@@ -53,8 +52,7 @@ class Store:
         return found
 
 
-@dataclass(frozen=True)
-class Effort:
+class Effort(NamedTuple):
     tasks: int  # Number of tasks solved in this run
     seconds: float  # Wall-clock time including the start of the cluster, s
     processor_time: float  # Processor time of all tasks, also of earlier runs, s
