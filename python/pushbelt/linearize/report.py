@@ -45,18 +45,14 @@ def chosen(grid: LinearGrid) -> list[Drawn]:
     several = [axis for axis in values if len(values[axis]) > 1]
     kept = {axis: [every[len(every) // 2]] for axis, every in values.items()}
     for axis, most in zip(several, (MOST_DASHED if len(several) > 1 else len(COLOURS), len(DASHES)), strict=False):
-        kept[axis] = _spread(values[axis], most)
+        places = np.linspace(0, len(values[axis]) - 1, min(len(values[axis]), most)).round().astype(int)
+        kept[axis] = [values[axis][k] for k in np.unique(places)]
     drawn: list[Drawn] = []
     for point, model in found:
         if all(point[axis] in kept[axis] for axis in kept):
             colour, dash = [*(kept[axis].index(point[axis]) for axis in several), 0, 0][:2]
             drawn.append(({"name": title(grid, point), "colour": COLOURS[colour], "dash": DASHES[dash]}, model))
     return drawn or [({"name": title(grid, found[0][0]), "colour": COLOURS[0]}, found[0][1])]
-
-
-def _spread(values: list[float], most: int) -> list[float]:
-    places = np.unique(np.linspace(0, len(values) - 1, min(len(values), most)).round().astype(int))
-    return [values[k] for k in places]
 
 
 def title(grid: LinearGrid, point: dict[str, float]) -> str:
