@@ -268,7 +268,7 @@ class WorkingPoints:
 
     def _steady(self, point: Point, near: bool = False) -> SteadyState:
         """The steady state at a point, perhaps `near` the one before. The last one is kept."""
-        values = dict(self._values)
+        values = dict(self._values)  # Of now, for the derivatives
         held = driven_by_torque(values, point.ratio, point.speed, point.torque, point.force)
         if self._last_steady is not None and self._last_steady[0] == held:
             return self._last_steady[1]

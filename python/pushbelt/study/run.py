@@ -1,7 +1,5 @@
 """Solves the tasks of a study: missing ones are sent to the cluster in chunks, and each finished chunk is stored in a file of its own."""
 
-from __future__ import annotations
-
 import argparse
 import gzip
 import json
