@@ -235,8 +235,7 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
     trace |= {"hoverinfo": "skip", "colorscale": [list(stop) for stop in colour_stops(share)]}
     trace["colorbar"] = {"title": {"text": one.unit}}
     if one.ticks:
-        places, texts = zip(*one.ticks, strict=True)
-        trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
+        trace["colorbar"] |= {"tickvals": [place for place, _ in one.ticks], "ticktext": [text for _, text in one.ticks]}
     return trace
 
 
@@ -250,8 +249,7 @@ def _axis(label: str, ticks: Sequence[Tick], span: tuple[float, float] | None, s
     if span is not None:
         axis |= {"range": [float(v) for v in (np.log10(span) if scale == "log" else span)], "autorange": False}
     if ticks:
-        places, texts = zip(*ticks, strict=True)
-        axis |= {"tickmode": "array", "tickvals": [float(p) for p in places], "ticktext": list(texts)}
+        axis |= {"tickmode": "array", "tickvals": [float(place) for place, _ in ticks], "ticktext": [text for _, text in ticks]}
     return axis
 
 
