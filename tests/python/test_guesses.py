@@ -1,4 +1,4 @@
-"""Calls that a user of fmpy, pandas, xarray or python-control tries before reading the documentation, in `guesses.txt`; programs as functions."""
+"""Calls that a user tries before reading the documentation, right and wrong ones, in `guesses.txt`; programs as functions."""
 
 import inspect
 from pathlib import Path
