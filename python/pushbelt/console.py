@@ -1,7 +1,5 @@
 """A program as a process: its errors, characters that its output can't encode, Ctrl-C and SIGTERM."""
 
-from __future__ import annotations
-
 import functools
 import io
 import signal

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from copy import copy
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -46,7 +47,6 @@ def _states(name: str, value: Any) -> str:
     return value
 
 
-# Rules of arguments
 POINT = {
     "ratio": number(above=0.0), "torque": number("N·m"), "speed": number("rad/s"), "force": optional(number("N", least=0.0)),
     "safety": optional(number(above=0.0)), "thrust_ratio": optional(number(above=0.0)),
@@ -130,7 +130,23 @@ class WorkingPoints:
         Raises SteadyStateError if there is no such point or the belt slips through, and LinearPointError if the point has no
         linear model or requires other loads than the specified ones.
         """
-        return self._linearize(self._values, ratio, torque, speed, force, safety, (frequency, states, sample_time))
+        point = self._point(ratio, torque, speed, force, safety)
+        state = self._steady(point)
+        held = {"primary": state["primary.axialForce"], "secondary": point.force}
+        start = {
+            "initial.steady": True, "initial.ratio": ratio, "initial.primarySpeed": speed,
+            "primary.torque": torque, "secondary.torque": state.load_torque,
+            **{name: one for pulley, whole in held.items() for name, one in closed_by(self._values, pulley, whole, ratio, speed).items()},
+            "primary.speedSetpoint": speed, "secondary.speedSetpoint": speed / state["primary.speed"] * state["secondary.speed"],
+        }  # fmt: skip
+        unit = self._solved({**self._values, **start}, point)
+        try:
+            model = model_of(unit, frequency, states, sample_time)
+        except (UnitError, NotPhysicalError) as error:
+            raise LinearPointError(f"no linear model {point}: {error}") from error
+        if model.remarks:
+            raise LinearPointError(f"no linear model {point}: {'; '.join(model.remarks)}")
+        return model
 
     @checks(
         **POINT | GRID | {"speed": number("rad/s", several=True), "force": optional(number("N", least=0.0, several=True))},
@@ -156,36 +172,15 @@ class WorkingPoints:
         axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
 
         def model(**at: Any) -> LinearModel:
-            values, point = {**self._values, **{name: at[name] for name in changes or ()}}, several | at
+            changed = copy(self)
+            changed._values = {**self._values, **{name: at[name] for name in changes or ()}}
+            point = several | {name: value for name, value in at.items() if name in several}
             try:
-                return self._linearize(values, point["ratio"], point["torque"], point["speed"], point["force"], safety, (frequency, states, sample_time))
+                return changed.linearize(**point, safety=safety, frequency=frequency, states=states, sample_time=sample_time)
             finally:
                 after_each()
 
         return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
-
-    def _linearize(
-        self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float | None, how: tuple[Any, ...]
-    ) -> LinearModel:
-        """The linear model at a point with these start values: about the steady state under the loads that hold it. `how` are
-        the arguments of `model_of`."""
-        point = self._point(values, ratio, torque, speed, force, safety)
-        state = self._steady(values, point)
-        held = {"primary": state["primary.axialForce"], "secondary": point.force}
-        start = {
-            "initial.steady": True, "initial.ratio": ratio, "initial.primarySpeed": speed,
-            "primary.torque": torque, "secondary.torque": state.load_torque,
-            **{name: one for pulley, whole in held.items() for name, one in closed_by(values, pulley, whole, ratio, speed).items()},
-            "primary.speedSetpoint": speed, "secondary.speedSetpoint": speed / state["primary.speed"] * state["secondary.speed"],
-        }  # fmt: skip
-        unit = self._solved({**values, **start}, point)
-        try:
-            model = model_of(unit, *how)
-        except (UnitError, NotPhysicalError) as error:
-            raise LinearPointError(f"no linear model {point}: {error}") from error
-        if model.remarks:
-            raise LinearPointError(f"no linear model {point}: {'; '.join(model.remarks)}")
-        return model
 
     def close(self) -> None:
         """Frees the instance."""
@@ -204,7 +199,7 @@ class WorkingPoints:
 
         Raises SteadyStateError if there is no steady state, or if the belt slips through.
         """
-        return self._steady(self._values, self._point(self._values, ratio, torque, speed, force, safety))
+        return self._steady(self._point(ratio, torque, speed, force, safety))
 
     @checks(**POINT, deviations=optional(mapping))
     def bands(
@@ -219,7 +214,7 @@ class WorkingPoints:
         """
         if deviations is None:
             deviations = parameter_deviations(self.name)
-        return self._bands(self._point(self._values, ratio, torque, speed, force, safety), deviations)
+        return self._bands(self._point(ratio, torque, speed, force, safety), deviations)
 
     def _bands(self, point: Point, deviations: Mapping[str, float]) -> Bands:
         for name in deviations.keys() - set(Point._fields):
@@ -265,14 +260,15 @@ class WorkingPoints:
         table.attrs = {"held": hold, "units": {name: units[name] for name in (*table.index, *table.columns)}}
         return table
 
-    def _point(self, values: Values, ratio: float, torque: float, speed: float, force: float | None, safety: float | None) -> Point:
-        """A point with the given force, that of a safety factor, or that of the inputs among the values."""
+    def _point(self, ratio: float, torque: float, speed: float, force: float | None, safety: float | None) -> Point:
+        """A point with the given force, that of a safety factor, or that of the inputs."""
         if force is None:
-            force = closing_at(values, "secondary", ratio, speed) if safety is None else self._least_force(values, ratio, torque, speed, safety)
+            force = closing_at(self._values, "secondary", ratio, speed) if safety is None else self.least_force(ratio, torque, safety, speed=speed)
         return Point(ratio, torque, speed, force)
 
-    def _steady(self, values: Values, point: Point, near: bool = False) -> SteadyState:
-        """The steady state at a point with these start values, perhaps `near` the one before. The last one is kept."""
+    def _steady(self, point: Point, near: bool = False) -> SteadyState:
+        """The steady state at a point, perhaps `near` the one before. The last one is kept."""
+        values = dict(self._values)  # Of now, for the derivatives
         held = driven_by_torque(values, point.ratio, point.speed, point.torque, point.force)
         if self._last_steady is not None and self._last_steady[0] == held:
             return self._last_steady[1]
@@ -304,12 +300,8 @@ class WorkingPoints:
         The primary pulley is clamped by the thrust ratio κ times this force. κ is that of at most three steady states at
         `speed` (rad/s), together about 0.05 s, or `thrust_ratio`, with which nothing is solved.
         """
-        return self._least_force(self._values, ratio, torque, speed, safety, thrust_ratio)
-
-    def _least_force(
-        self, values: Values, ratio: float, torque: float, speed: float, safety: float, thrust_ratio: float | None = None
-    ) -> float:
-        """F min(1, κ(F)) carries the torque with the safety factor: fixed-point iteration, as κ varies little with F."""
+        # F min(1, κ(F)) carries the torque with the safety factor: fixed-point iteration, as κ varies little with F.
+        values = self._values
         needed = clamping_force(torque, pitch_radius(values, ratio), values["friction.pulley"], values["geometry.wedgeAngle"], safety)
         if why := capacity.excessive_force(torque, needed):
             raise SteadyStateError(f"no clamping force at ratio {ratio:g}: {why}")
@@ -320,7 +312,7 @@ class WorkingPoints:
         force, found = max(needed if torque > 0.0 else needed / OVERRUN, LEAST_FORCE), False
         for _ in range(MOST_STATES):
             try:
-                state = self._steady(values, Point(ratio, torque, speed, force), near=found)
+                state = self._steady(Point(ratio, torque, speed, force), near=found)
             except SteadyStateError:
                 if found:
                     break
@@ -361,8 +353,8 @@ class WorkingPoints:
         names = [*outputs, "clampingForce", *(name + DEVIATION for name in (outputs if deviations else ()))]
 
         def row(ratio: float, torque: float) -> list[float]:
-            point = self._point(self._values, ratio, torque, speed, force, safety)
-            state = self._steady(self._values, point)
+            point = self._point(ratio, torque, speed, force, safety)
+            state = self._steady(point)
             spread = self._bands(point, deviations).spread if deviations else {}
             return [*(state[name] for name in outputs), point.force, *(spread[name] for name in outputs if spread)]
 

@@ -50,21 +50,22 @@ def test_folders_are_paired_by_the_names_of_their_runs(tmp_path: Path) -> None:
     assert [pair.name for pair in runs.pairs(tmp_path / "one", tmp_path / "two")] == ["slip-control"]
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [("case,slip\nfirst,1\n", "time"), ("time,slip\n", "rows"), ("time,slip\n0,1\n0,2\n", "ascend"), ("time,slip\n0,1\n1,2,3\n", "line 3")],
-)
-def test_a_file_that_is_not_a_run_is_an_error(tmp_path: Path, text: str, message: str) -> None:
-    bad = tmp_path / "bad.csv"
-    bad.write_text(text, encoding="utf-8")
-    with pytest.raises(runs.CompareError, match=message):
-        runs.pairs(write(tmp_path / "good.csv"), bad)
+BAD = {
+    "run.csv": {"case,slip\nfirst,1\n": "time", "time,slip\n": "rows", "time,slip\n0,1\n0,2\n": "ascend", "time,slip\n0,1\n1,2,3\n": "line 3"},
+    "set.json": {"[1]": "not a parameter set", '{"parameters": {"mu": {"value": 1, "interval95": [2, 1]}}}': "interval95", '{"parameters": {}}': "in common"},
+}
+"""What a file that is no run or no set is refused for."""
 
 
 def test_what_is_no_pair_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    good = write(tmp_path / "good.csv")
-    for words, why in (([tmp_path / "none.csv"], "none.csv"), ([tmp_path], str(tmp_path)), ([good, "--variables=sloop"], "sloop")):
-        assert __main__.main([str(good), *map(str, words), "--output", str(tmp_path / "out")]) == 1
+    good, sound = write(tmp_path / "good.csv"), calibrated(tmp_path / "a.json", mu=(0.09, 0.002))
+    cases = [([good, tmp_path / "none.csv"], "none.csv"), ([good, tmp_path], str(tmp_path)), ([good, good, "--variables=sloop"], "sloop")]
+    for name, first in (("run.csv", good), ("set.json", sound)):
+        for k, (text, why) in enumerate(BAD[name].items()):
+            (tmp_path / f"{k}-{name}").write_text(text, encoding="utf-8")
+            cases.append(([first, tmp_path / f"{k}-{name}"], why))
+    for words, why in cases:
+        assert __main__.main([*map(str, words), "--output", str(tmp_path / "out")]) == 1
         said = capsys.readouterr().err
         assert why in said and said.count("\n") == 1
 
@@ -168,12 +169,3 @@ def test_the_report_of_two_sets(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert rows["difference [SI]"].tolist() == pytest.approx([5e-4, 1e-4]) and np.isnan(rows["deviation [SI]"][1])
 
 
-@pytest.mark.parametrize(
-    ("text", "why"),
-    [("[1]", "not a parameter set"), ('{"parameters": {"mu": {"value": 1, "interval95": [2, 1]}}}', "interval95"), ('{"parameters": {}}', "in common")],
-)
-def test_what_is_no_set_is_an_error(text: str, why: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "b.json").write_text(text, encoding="utf-8")
-    assert __main__.main([str(calibrated(tmp_path / "a.json", mu=(0.09, 0.002))), str(tmp_path / "b.json")]) == 1
-    said = capsys.readouterr().err
-    assert why in said and said.count("\n") == 1

@@ -41,13 +41,10 @@ def document(ssp: Path, name: str) -> etree._Element:
     return etree.fromstring(zipfile.Path(ssp, name).read_bytes())
 
 
-def test_package_keeps_the_schema(ssp: Path) -> None:
+def test_package_and_units_are_valid_and_have_the_laws_of_the_source_tree(ssp: Path, tmp_path: Path) -> None:
     package.validate(document(ssp, "SystemStructure.ssd"), "SystemStructureDescription")
     for name in ("variator", "vehicle", "control"):
         package.validate(document(ssp, f"resources/{name}.ssv"), "SystemStructureParameterValues")
-
-
-def test_units_are_valid_and_have_the_laws_of_the_source_tree(ssp: Path, tmp_path: Path) -> None:
     shutil.unpack_archive(ssp, tmp_path, "zip")
     components = document(ssp, "SystemStructure.ssd").iterfind(".//ssd:Component", NAMESPACES)
     found = {component.get("name"): tmp_path / component.get("source") for component in components}

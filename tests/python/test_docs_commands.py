@@ -1,7 +1,5 @@
 """The book's command lines against the parsers, its generated pages against their sources, and the files that it names."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import re

@@ -116,16 +116,14 @@ def test_a_cycle_of_one_s_own(tmp_path: Path) -> None:
             of_file(tmp_path / "own.csv")
 
 
-def test_engine_keeps_its_limits_and_the_road_its_load() -> None:
+def test_engine_brake_and_road_keep_their_limits() -> None:
     speeds = np.linspace(1.0, 700.0, 400)
     torques = np.array([CAR.full_load(speed) for speed in speeds])
     assert torques.max() == CAR.max_torque
     assert (torques * speeds).max() <= CAR.max_power * (1.0 + 1e-12)
     assert CAR.full_load(CAR.max_speed) < 0.0
     assert CAR.road_load(-30.0) == pytest.approx(-0.6 * CAR.drag_area * 900.0 - 9.81 * CAR.mass * CAR.rolling_resistance)
-
-
-def test_brake_holds_without_ringing() -> None:
+    # The brake holds without ringing.
     speed = 0.2
     for _ in range(200):
         speed -= STEP / CAR.mass * CAR.brake_force(5000.0, speed, STEP)
@@ -176,8 +174,10 @@ def test_pressure_is_a_first_order_lag_within_limits() -> None:
         assert circuit.pressure == pytest.approx(limit)
 
 
-def test_a_fixed_safety_factor_scales_the_estimated_torque() -> None:
+def test_a_fixed_safety_factor_scales_the_estimated_torque_and_another_strategy_is_named() -> None:
     assert SafetyFactor(FRICTION).force(MEASURED, STEP) == pytest.approx(1.3 * 58.0 / 50.0 * CARRIED)
+    with pytest.raises(ValueError, match="Slip"):
+        transmission.TransmissionControl(CAR, "Slip", FRICTION, MAP)
 
 
 def test_map_is_bilinear_constant_beyond_and_its_shift_rates_are_inverted() -> None:
@@ -306,11 +306,6 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
         before, target = target, transmission.ratio_target(200.0, 600.0, target, STEP)
         assert abs(math.log(target / before)) <= 1.2 * STEP + 1e-12
     assert target == pytest.approx(transmission.RATIO_LIMITS[0])
-
-
-def test_an_unknown_strategy_is_named() -> None:
-    with pytest.raises(ValueError, match="Slip"):
-        transmission.TransmissionControl(CAR, "Slip", FRICTION, MAP)
 
 
 # With the FMU

@@ -1,7 +1,5 @@
 """The examples: the notebook, the car, the hydraulic circuit, and the programs of the drivetrain."""
 
-from __future__ import annotations
-
 import re
 import runpy
 import shutil

@@ -1,4 +1,4 @@
-"""Calls that a user of fmpy, pandas, xarray or python-control tries before reading the documentation, in `guesses.txt`; programs as functions."""
+"""Calls that a user tries before reading the documentation, right and wrong ones, in `guesses.txt`; programs as functions."""
 
 import inspect
 from pathlib import Path
@@ -22,12 +22,18 @@ MODULES = {one.__name__: one for one in (inspect, pushbelt, pytest)} | {"np": np
 def results(coarse: Variator) -> dict[str, Any]:
     point = {"ratio": 1.0, "torque": 30.0, "force": 9e3}
     maps = coarse.thrust_map([0.9, 1.0], [20.0, 30.0], force=9e3)
-    return {"state": coarse.steady(**point), "bands": coarse.bands(**point), "model": coarse.linearize(**point), "maps": maps}
+    of_maps = pushbelt.MapVariator(count=2)
+    of_maps.start(1.0, [200.0, 100.0])
+    grid = coarse.linear_grid([0.7, 1.5], [30.0, 700.0], force=11e3, states="physical")
+    found = {"state": coarse.steady(**point), "bands": coarse.bands(**point), "model": coarse.linearize(**point)}
+    return {**found, "maps": maps, "of_maps": of_maps, "grid": grid}
 
 
 @pytest.mark.parametrize("guess", GUESSES)
 def test_a_guess_is_right(guess: str, belt: Variator, results: dict[str, Any], tmp_path: Path) -> None:
     exec(guess, {"v": belt, "folder": tmp_path, **MODULES, **results})
+    if guess.startswith("with pytest.raises") and "v.start" not in guess:
+        assert len(belt.outputs) == 0, "what is refused changes nothing"
 
 
 def test_a_study_is_a_call(fmu: Path, tmp_path: Path) -> None:

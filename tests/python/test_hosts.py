@@ -110,7 +110,7 @@ def lag(request: pytest.FixtureRequest, artifacts: dict[str, Path], tmp_path: Pa
     return fmu
 
 
-def test_it_follows_the_exact_solution(lag: Path) -> None:
+def test_it_follows_the_exact_solution_and_a_limit_of_the_table_holds(lag: Path) -> None:
     """An input is held from one communication point to the next."""
     assert validate_fmu(lag) == []
     constant, start = 0.5, 3.0
@@ -119,8 +119,5 @@ def test_it_follows_the_exact_solution(lag: Path) -> None:
     assert len(result) == 9
     first, second = (np.exp(-np.maximum(result["time"] - begin, 0.0) / constant) for begin in (0.0, 1.0))
     np.testing.assert_allclose(result["y"], 1.0 + (start - 1.0) * first + (1.0 - second), rtol=1e-12)
-
-
-def test_a_limit_of_the_table_holds(lag: Path) -> None:
     with pytest.raises(fmpy.fmi1.FMICallException):
         fmpy.simulate_fmu(lag, stop_time=1.0, start_values={"T": 0.0})

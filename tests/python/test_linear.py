@@ -1,7 +1,5 @@
 """Linear models: of the FMU, in Python, on the command line, in files, in the report, and in a controller."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
@@ -16,7 +14,6 @@ import reports
 from conftest import COARSE, ROOT, WORDS
 from scipy.io import loadmat
 
-import pushbelt
 from pushbelt import cli
 from pushbelt.linear.grid import LinearGrid, load_linear
 from pushbelt.linear.model import LinearModel, LinearPointError
@@ -80,8 +77,6 @@ def test_the_command_prints_the_loads_that_follow(fmu: Path, tmp_path: Path, cap
     words = [*WORDS, "initial.ratio=1", "primary.torque=60", "--fmu", str(fmu), "--output", str(tmp_path / "out")]
     assert linearize.main(words) == 0
     assert "secondary.torque = -5" in capsys.readouterr().out
-    assert linearize.main(["secondary.torque=-59", *words]) == 1
-    assert "secondary.torque follows from the point: leave it out" in capsys.readouterr().err
     model = load_linear(tmp_path / "out" / "models.npz")[0, 0]
     assert (model.coordinates, model.sample_time) == ("modal", None)
 
@@ -105,10 +100,6 @@ def test_axes_are_what_has_more_than_one_number(coarse: Variator) -> None:
     # Without a force it is the one that carries the torque at each friction.
     less, more = (one.held["secondary.clampingForce"] for one in coarse.linear_grid(1.4, 100.0, changes={"friction.pulley": [0.09, 0.06]}).models)
     assert less == pytest.approx(coarse.least_force(1.4, 100.0), rel=1e-3) and more == pytest.approx(1.5 * less, rel=0.02)
-    with pytest.raises(ValueError, match="the grid has no torque"):
-        coarse.linear_grid([1.0], [])
-    with pytest.raises(pushbelt.StartValueError, match="similar names: friction.pulley"):
-        coarse.linear_grid([1.0], [40.0], changes={"friction.pully": [0.08]})
 
 
 @pytest.fixture(scope="module")
@@ -153,19 +144,12 @@ def test_mat_and_json_have_all_points(grid: LinearGrid, written: Path) -> None:
     assert refused["torque"] == 900.0 and "no steady state" in refused["reason"]
 
 
-def test_a_file_without_models_is_an_error(grid: LinearGrid, tmp_path: Path) -> None:
+def test_a_file_without_models_is_not_written(grid: LinearGrid, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"models.txt: the extension must be one of .npz, .mat, .json"):
         grid.save(tmp_path / "models.txt")
     nothing = LinearGrid({}, np.full((), None, dtype=object), np.full((), "no", dtype=object))
     with pytest.raises(ValueError, match="no linear model at any point"):
         nothing.save(tmp_path / "models.npz")
-    np.savez(tmp_path / "other.npz", x=np.zeros(2))
-    (tmp_path / "text.npz").write_text("text", encoding="utf-8")
-    for name in ("other.npz", "text.npz"):
-        with pytest.raises(ValueError, match=f"{name} does not contain linear models"):
-            load_linear(tmp_path / name)
-    with pytest.raises(FileNotFoundError):
-        load_linear(tmp_path / "none.npz")
 
 
 def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
@@ -176,8 +160,6 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
     assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
     i, j = model.outputs.index("slip"), model.inputs.index("primary.torque")
     assert model.gain("slip", "primary.torque", 2.0) == pytest.approx(expected[i, j], rel=1e-9)
-    with pytest.raises(KeyError, match="sleep"):
-        model.select(["sleep"])
 
 
 def test_lists_and_ranges_are_read() -> None:
@@ -239,19 +221,16 @@ def response(*ends: float) -> Any:
     return np.exp(1j * np.radians(np.linspace(*ends, 60)))
 
 
-def test_phases_have_no_jumps_and_keep_their_distance() -> None:
+def test_phases_have_no_jumps_and_similar_responses_are_on_one_branch() -> None:
+    """Also where they start on other sides of 180°, or turn in other directions, in any order."""
     found = phases([response(170.0, 400.0), response(195.0, 425.0)])
     assert np.abs(np.diff(found)).max() < 10.0
     assert found[1] - found[0] == pytest.approx(25.0)
-
-
-@pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 0, 2), (2, 3, 1, 0)])
-def test_similar_responses_are_on_one_branch(order: tuple[int, ...]) -> None:
-    """Also where they start on other sides of 180°, or turn in other directions."""
     given = [response(-110.0, -90.0), response(-130.0, -95.0), response(-200.0, -450.0), response(175.0, -100.0)]
-    found = dict(zip(order, phases([given[k] for k in order]), strict=True))
-    assert [found[k][-1] for k in range(4)] == pytest.approx([-90.0, -95.0, -90.0, -100.0])
-    assert np.ptp([phase.mean() for phase in found.values()]) < 180.0
+    for order in ((0, 1, 2, 3), (3, 1, 0, 2), (2, 3, 1, 0)):
+        found = dict(zip(order, phases([given[k] for k in order]), strict=True))
+        assert [found[k][-1] for k in range(4)] == pytest.approx([-90.0, -95.0, -90.0, -100.0])
+        assert np.ptp([phase.mean() for phase in found.values()]) < 180.0
     opposite = phases([response(0.0, 1.0), response(179.0, 178.0), response(-179.0, -178.0)])
     assert abs(opposite[1][0] - opposite[2][0]) == pytest.approx(2.0)
 

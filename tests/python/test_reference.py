@@ -146,14 +146,10 @@ def test_files_that_do_not_fit_are_refused(tmp_path: Path, variables: dict[str, 
         start_values.read_ssv(path, variables)
 
 
-def test_the_command_takes_a_set(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_takes_a_set(fmu: Path, tmp_path: Path) -> None:
     copy = tmp_path / "copy.fmu"
-    words = ["fmu", str(copy), "--fmu", str(fmu), "--ssv", str(PARAMETERS / "belt155.ssv"), "--set", "belt.play=3e-4"]
-    assert cli.main(words) == 0
+    assert cli.main(["fmu", str(copy), "--fmu", str(fmu), "--ssv", str(PARAMETERS / "belt155.ssv"), "--set", "belt.play=3e-4"]) == 0
     expected = {**parameter_set("belt155"), "belt.play": 3e-4}
     with Archive.unpack(copy) as archive, Instance(archive, {}) as unit:
         unit.initialise()
         assert {name: unit.get(name) for name in expected} == expected
-    capsys.readouterr()
-    assert cli.main([*words[:4], "--ssv", str(tmp_path / "none.ssv")]) == 1
-    assert "none.ssv" in capsys.readouterr().err

@@ -1,7 +1,5 @@
 """A page with every kind of figure, as a reader uses it: legible on a desktop and a telephone, by pointer and by keyboard."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -54,11 +52,11 @@ def belt() -> str:
     position = curve.length * np.arange(72) / 72
     none = np.zeros(72)
     outputs = {f"{pulley}.radius": curve.radius(pulley) - BENCH["belt.pitchOffset"] for pulley in ("primary", "secondary")}
+    outputs |= dict(zip(belt_view.SPEEDS, (100.0, 80.0, 5.0), strict=True))
     push = 500.0 * (1.0 + np.sin(2.0 * np.pi * position / curve.length))
     profiles = [Profile(position, np.roll(push, k), none, none, none, none, none) for k in (0, 36)]
     states = {float(k): BeltState({"reference.theta": 0.2, **outputs}, profile) for k, profile in enumerate(profiles)}
-    turned = [np.array([0.0, 100.0]), np.array([0.0, 80.0]), np.array([0.0, 5.0])]
-    return belt_view.belt_view(belt_view.motion(states, BENCH, turned), BENCH, "A belt", group="one")
+    return belt_view.belt_view(belt_view.motion(states, BENCH), BENCH, "A belt", group="one")
 
 
 @pytest.fixture(scope="module")

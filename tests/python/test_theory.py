@@ -168,13 +168,10 @@ def test_the_rate_is_linear_in_the_logarithm_of_the_forces(s: float) -> None:
         assert found.rate / (found.log_thrust_ratio - rest) == pytest.approx(slope, rel=0.06)
 
 
-def test_splines_meet_the_theory_between_their_places(law: ShiftLaw) -> None:
+def test_splines_meet_the_theory_and_a_run_begins_with_the_law_and_ends_in_equilibrium(law: ShiftLaw) -> None:
     for s in (0.6, 0.85, 1.2, 1.7):
         assert law.gain(s) == pytest.approx(BELT.gain(s), rel=5e-3)
         assert law.equilibrium(s) == pytest.approx(BELT.equilibrium(s), abs=2e-3)
-
-
-def test_a_run_begins_with_the_law_and_ends_in_equilibrium(law: ShiftLaw) -> None:
     step, speed, opening = 0.1, 100.0, 1e-3
     factor = speed * opening * cmm.deformation_factor(BETA)
     start = law.run(1.0, step, speed, opening, np.array([1e-4]))

@@ -2,10 +2,8 @@
 
 import math
 import pickle
-import re
 import zipfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,31 +16,9 @@ import pushbelt
 from pushbelt import cli, variator
 from pushbelt.fmu import data, files, unit
 from pushbelt.fmu.enumerations import RingModel
-from pushbelt.fmu.start_values import StartValueError, checked
+from pushbelt.fmu.start_values import StartValueError
 
 pytestmark = pytest.mark.usefixtures("own_cache")
-
-
-def test_text_and_numbers_get_the_type_of_their_variable(variables: dict[str, Any]) -> None:
-    given = {"belt.play": "2e-4", "mesh.strand": "12", "initial.steady": "False", "ring.model": "ALE0", "primary.drive": 2.0}
-    found = checked(variables, given)
-    assert found == {"belt.play": 2e-4, "mesh.strand": 12, "initial.steady": False, "ring.model": 1, "primary.drive": 2}
-    assert [type(value) for value in found.values()] == [float, int, bool, int, int]
-    assert checked(variables, {"ring.model": RingModel.ALE}) == {"ring.model": 2}
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "why"),
-    [
-        ("geometry.centreDistance", 0.1, "geometry.centerDistance"), ("thrustRatio", 1.0, "output"), ("belt.play", "wide", "'wide'"),
-        ("belt.play", None, "None"), ("belt.play", math.inf, "inf"), ("belt.play", -1e-3, "-0.001 m .* 0 to"), ("mesh.strand", 4.5, "4.5"),
-        ("mesh.strand", 10**6, "1 to 200"), ("initial.steady", "perhaps", "'perhaps'"), ("ring.model", "ALE2", r"ALE0 \(1\), ALE \(2\)"),
-        ("ring.model", 7, "7"),
-    ],
-)  # fmt: skip
-def test_a_wrong_value_is_named_with_the_reason(variables: dict[str, Any], name: str, value: Any, why: str) -> None:
-    with pytest.raises(StartValueError, match=f"{name}.*{why}"):
-        checked(variables, {name: value})
 
 
 def test_a_run_is_that_of_the_fmu_call_by_call(belt: variator.Variator, archive: unit.Archive) -> None:
@@ -107,8 +83,6 @@ def test_bands_are_chords_over_steady_states(belt: variator.Variator) -> None:
         assert bands[name] == pytest.approx(np.hypot(of_friction, of_torque), rel=0.02) and sum(bands.largest(name).values()) == pytest.approx(1.0)
     assert math.isnan(bands.lost) and belt.bands(1.5, 40.0, {"friction.pulley": 0.02}, safety=1.2).lost > 0.0
     assert bands.to_dataframe().loc["slip"].tolist() == pytest.approx([bands.outputs["slip"], bands["slip"], *bands.chords["slip"]])
-    with pytest.raises(pushbelt.UnknownNameError, match="belt.play"):
-        belt.bands(1.5, 40.0, {"belt.plya": 1e-5})
 
 
 def test_a_gradient_is_a_table_of_derivatives(belt: variator.Variator) -> None:
@@ -126,20 +100,12 @@ def test_a_gradient_is_a_table_of_derivatives(belt: variator.Variator) -> None:
     for hold, kept in (("speed ratio", "ratio.speed"), ("forces", "primary.axialForce")):
         held = state.gradient("torque", hold=hold)
         assert abs(held.loc[kept, "torque"]) < 1e-9 * abs(table.loc[kept, "torque"]) and held.loc["ratio.geometric", "torque"] != 0.0
-    for names, hold, part in (("friction.pully", "ratio", "friction.pulley"), ("torque", "slip", "speed ratio"), ("mesh.strand", "ratio", "mesh.strand")):
-        with pytest.raises(pushbelt.PushbeltError, match=part):
-            state.gradient([names], hold=hold)
     with pytest.raises(pushbelt.ArgumentError, match="stored"):
         pickle.loads(pickle.dumps(state)).gradient(["torque"])
 
 
-def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: Path) -> None:
-    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    assert pushbelt.default_fmu() == fmu
-    monkeypatch.setenv("PUSHBELT_FMU", str(tmp_path / "none.fmu"))
-    with pytest.raises(FileNotFoundError, match="environment variable PUSHBELT_FMU"):
-        pushbelt.default_fmu()
-    monkeypatch.delenv("PUSHBELT_FMU")
+def test_without_an_fmu_its_build_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.delenv("PUSHBELT_FMU", raising=False)
     monkeypatch.setattr(files, "TREE", tmp_path)
     with pytest.raises(FileNotFoundError, match="cargo fmu build"):
         pushbelt.default_fmu()
@@ -173,9 +139,8 @@ def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys:
 
 @pytest.mark.parametrize(("command", "values"), [("fmu", ["ring.model=ALE0", "mesh.strand=7", "initial.ratio=1.3"]), ("map-fmu", ["initial.ratio=1.3"])])
 def test_a_copy_for_fmi_3_starts_like_that_for_fmi_2(
-    command: str, values: list[str], fmu: Path, fmu3: Path, map_fmu: Path, map_fmu3: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+    command: str, values: list[str], fmu: Path, fmu3: Path, map_fmu: Path, map_fmu3: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for name, path in (("FMU", fmu), ("FMU3", fmu3), ("MAP_FMU", map_fmu), ("MAP_FMU3", map_fmu3)):
         monkeypatch.setenv(f"PUSHBELT_{name}", str(path))
     ends = []
@@ -186,11 +151,6 @@ def test_a_copy_for_fmi_3_starts_like_that_for_fmi_2(
         ends.append(simulate_fmu(str(copy), stop_time=0.01, output_interval=1e-3, output=["ratio.geometric", "secondary.speed"])[-1].tolist())
     assert read_model_description(str(copy)).fmiVersion == "3.0"
     assert ends[0] == pytest.approx(ends[1], rel=1e-9) and ends[0][1] == pytest.approx(1.3, rel=0.01)
-    other = {"fmu": map_fmu, "map-fmu": fmu3}[command]
-    for words, why in ((["--fmi3", "--fmu", str(fmu)], "of FMI 2.0"), (["--fmu", str(other), "--set", "belt.play=-1"], "belt.play|no FMU of maps")):
-        capsys.readouterr()
-        assert cli.main([command, str(tmp_path / "no.fmu"), *words]) == 1
-        assert re.fullmatch(f"pushbelt {command}: .*({why}).*\n", capsys.readouterr().err) and not (tmp_path / "no.fmu").exists()
 
 
 @pytest.mark.parametrize("name", cli.PROGRAMS)
@@ -206,5 +166,5 @@ def test_programs_have_the_fmu_and_a_folder_unless_they_are_named(name: str, mon
     if name in ("compare", "durability", "calibrate"):
         assert parser.parse_args(words).fmu is None
     else:
-        with pytest.raises(FileNotFoundError):
+        with pytest.raises(FileNotFoundError, match="environment variable PUSHBELT_FMU"):
             parser.parse_args(words)

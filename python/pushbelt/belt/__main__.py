@@ -4,8 +4,6 @@ Cross-section dimensions are in mm, length, center distance and radii in m; a un
 The other programs read the set by `--variator FILE`.
 """
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 import json

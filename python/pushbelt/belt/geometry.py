@@ -4,8 +4,6 @@ Engineering values are those with which the formulas give the published variator
 24 mm wide and 1.5 mm thick. A test checks that.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields
@@ -142,8 +140,6 @@ class Belt:
     def reach(self) -> float:
         """Largest ratio between the stops; the smallest is its reciprocal, as both pulleys are alike."""
         return stops({name: entry.value for name, entry in self.entries.items()})[1]
-
-    # Parameters of the FMU
 
     @cached_property
     def entries(self) -> dict[str, Entry]:

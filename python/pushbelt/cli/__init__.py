@@ -1,8 +1,6 @@
 """The command `pushbelt`: runs the programs with the FMU of the package, writes FMUs with other start values or for stricter importers,
 and shows variables, pages and the cache."""
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import sys

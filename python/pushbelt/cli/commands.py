@@ -1,7 +1,5 @@
 """The commands of `pushbelt` that are no programs: copies of FMUs with other values, variables, pages, the cache."""
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import sys

@@ -4,8 +4,6 @@ A and B are CSV files with a column `time`, or folders with such files, as writt
 calibrate, whose differences are compared with their 95 % intervals. If all values are equal, it writes no report.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 from pathlib import Path

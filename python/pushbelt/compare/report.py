@@ -1,7 +1,5 @@
 """The report: one self-contained HTML file, and the differences as CSV."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Result files, their pairs, and differences of two runs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

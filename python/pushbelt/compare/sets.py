@@ -1,7 +1,5 @@
 """Differences of two parameter sets, as `calibrate` writes them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple

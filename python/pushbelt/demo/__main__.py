@@ -1,7 +1,5 @@
 """Simulates published load cases and a manoeuvre with the FMU, and writes a report."""
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Sequence

@@ -1,10 +1,8 @@
 """Events of the manoeuvre, detected from its outputs, and checks of all results of a run."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +18,7 @@ OVERLOAD = "Over-torque with macro-slip"  # Name of the event that the over-torq
 STEP, WITHIN = 20.0, 0.03  # Least step of the primary torque, N·m, and its largest duration, s
 
 
-@dataclass(frozen=True)
-class Event:
+class Event(NamedTuple):
     name: str
     occurred: bool
     evidence: str  # Description of the event by its outputs
@@ -119,9 +116,6 @@ def detect(trace: Trace) -> list[Event]:
     events = [launch(trace), shift(trace), *torque_steps(trace), *over_torque(trace)]
     whole = trace.time[-1] >= manoeuvre_inputs().time[-1]
     return sorted((event for event in events if event.occurred or whole), key=lambda event: (not event.occurred, event.start))
-
-
-# Checks
 
 
 def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: float, high: float, unit: str) -> Check:

@@ -1,7 +1,5 @@
 """The report: one self-contained HTML file."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,7 +11,7 @@ from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from pushbelt.fmu.results import LoadCaseResult, Profile, Trace, intervals
 from pushbelt.report import page
-from pushbelt.report.belt_view import belt_view, of_run, steady
+from pushbelt.report.belt_view import STEADY_TIME, belt_view, motion, of_run
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
@@ -149,7 +147,7 @@ def write_html(results: DemoResults, path: Path) -> None:
             "The belt on its pulleys during the manoeuvre", GROUP, min(SHOWN_TIME, float(trace.time[-1])),
         ),
         "fields": fields(chosen.steady.profile, curve),
-        "belt": belt_view(steady(chosen.steady, results.parameters), results.parameters, "The belt on its pulleys"),
+        "belt": belt_view(motion(dict.fromkeys((0.0, STEADY_TIME), chosen.steady), results.parameters), results.parameters, "The belt on its pulleys"),
     }  # fmt: skip
     if slips_through is not None:
         theta = float(trace["reference.theta"][np.argmin(np.abs(trace.time - 8.6))])

@@ -1,12 +1,9 @@
 """The simulations of the demo, in parallel processes with a progress bar: load cases and a manoeuvre."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,8 +23,7 @@ _CASE_TICKS, _MANOEUVRE_TICKS = 5, 100
 SHORT_TORQUES, SHORT_DURATION = (100.0,), 1.0  # Torques of the load cases, N·m, and duration of the manoeuvre, s, at a first look
 
 
-@dataclass(frozen=True)
-class ManoeuvreResult:
+class ManoeuvreResult(NamedTuple):
     """The manoeuvre: launch from standstill, shift, torque steps, over-torque and recovery, defined by its inputs."""
 
     trace: Trace
@@ -36,8 +32,7 @@ class ManoeuvreResult:
     messages: tuple[str, ...] = ()  # Warnings of the FMU
 
 
-@dataclass(frozen=True)
-class DemoResults:
+class DemoResults(NamedTuple):
     """All results of the demo, in SI units, by names of FMU variables."""
 
     fmu_version: str

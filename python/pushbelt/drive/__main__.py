@@ -1,7 +1,5 @@
 """Drives a car with the FMU on the WLTC or the NEDC, and writes a report."""
 
-from __future__ import annotations
-
 import argparse
 import dataclasses
 import sys
@@ -53,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> console.Done:
         raise ArgumentError(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     options.cycle = options.cycle or default_cycle()
     require("reports" if options.cycle in CYCLES else "tables")  # The help needs no packages of the extras.
-    from . import bands, report, runs
+    from . import report, runs
 
     given = {name: getattr(options, name) for name in ("ring", "variator", "clamping", "maps")}
     car = {name: value for name in RANGES if (value := getattr(options, name)) is not None}
@@ -66,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> console.Done:
     for run in results.runs:
         report.write_trace(run, results.units, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
     for run in results.runs[:2] if options.bands else ():
-        share, most = bands.of_losses(options.fmu, run)
+        share, most = runs.band_of_losses(options.fmu, run)
         print(f"  {run.setup.name}: losses of the variator {1e-3 * run.variator_loss:.4g} kJ ± {100.0 * share:.0f} %, most by {', '.join(most)}")
     report.write_html(results, path := options.output / "report.html")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")

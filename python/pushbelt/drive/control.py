@@ -188,7 +188,8 @@ class RatioControl:
             return min(primary, high), secondary
         wanted = clip(self.APPROACH * (math.log(target) - ratio_log), -self.FASTEST, self.FASTEST)
         error = wanted - self._shift_speed
-        per_speed = self._force_per_shift_speed(wanted, measured, secondary)
+        gain = self.map.shift_gain(measured.ratio, self._utilisation(measured, secondary), self._excess(wanted, measured, secondary), secondary)
+        per_speed = min(1.0 / (gain * measured.primary_speed), self.MOST_FORCE)  # C of the control law, N·s
         correction = per_speed * self.PROPORTIONAL * error + self._integral
         primary = self._shifting(wanted, measured, secondary) - correction
         least = max(self.friction.clamping_force(measured, self.RESERVE), low)
@@ -213,12 +214,6 @@ class RatioControl:
         """Primary force for a shift speed λ, 1/s, at a secondary force, N."""
         held = self.map.thrust_ratio(measured.ratio, self._utilisation(measured, secondary)) * secondary
         return held * math.exp(self._excess(wanted, measured, secondary))
-
-    def _force_per_shift_speed(self, wanted: float, measured: Measured, secondary: float) -> float:
-        """C of the control law, N·s."""
-        excess = self._excess(wanted, measured, secondary)
-        gain = self.map.shift_gain(measured.ratio, self._utilisation(measured, secondary), excess, secondary)
-        return min(1.0 / (gain * measured.primary_speed), self.MOST_FORCE)
 
     def _secondary_for(self, primary: float, wanted: float, measured: Measured, secondary: float) -> float:
         """Secondary force between the given one and the limit that gives the shift speed at a primary force, N; by bisection."""

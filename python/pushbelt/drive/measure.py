@@ -1,7 +1,5 @@
 """Measures the maps of the controllers on the FMU. `ThrustMap.of_maps` makes their thrust-ratio map of them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Limits and linear interpolation of single numbers. Controllers evaluate one value at a time, for which arrays are slow."""
 
-from __future__ import annotations
-
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """The drive report, one self-contained HTML file: figures of merit of the runs, and their figures."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,7 +12,7 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import intervals
 from pushbelt.report import page
-from pushbelt.report.belt_view import SPEEDS, Motion, belt_view, over_time
+from pushbelt.report.belt_view import belt_view, motion
 from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
@@ -87,12 +85,6 @@ def drive(run: Run, group: str = "") -> Chart:
     shades = [Shade(start, stop + STEP, RED, opacity=0.25) for start, stop in macro]
     panels = stack(rows, TIME, shades=shades, x_range=(float(run.time[0]), float(run.time[-1])), height=200)
     return Chart(panels, "Speed, ratio, engine speed, pressures, slip and losses over time", linked=True, group=group)
-
-
-def belt_over_time(run: Run, parameters: dict[str, float]) -> Motion:
-    moments = np.array(sorted(run.snapshots))
-    columns = {name: np.array([run.snapshots[moment][name] for moment in moments]) for name in SPEEDS}
-    return over_time(moments, columns, run.snapshots, parameters)
 
 
 def savings(fixed: Run, slip: Run) -> Chart:
@@ -180,8 +172,8 @@ def write_html(results: Results, path: Path) -> None:
     fixed, slip, *_, safe, controlled = results.runs
     close_up, belt = named.get("close-up"), ""
     if slip.snapshots:
-        motion, title = belt_over_time(slip, parameters), "The belt on its pulleys during the drive"
-        belt = belt_view(motion, parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
+        title = "The belt on its pulleys during the drive"
+        belt = belt_view(motion(slip.snapshots, parameters), parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
     context = {
         "version": results.version, "plan": results.plan, "car": results.plan.car,
         "rows": [

@@ -1,6 +1,4 @@
-"""The runs of the report. They run in parallel processes, with a progress bar."""
-
-from __future__ import annotations
+"""The runs of the report, in parallel processes with a progress bar, and the standard deviation of their losses."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -8,11 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
+from pushbelt.errors import ArgumentError
+from pushbelt.fmu.data import parameter_deviations
 from pushbelt.fmu.files import default_fmu
+from pushbelt.fmu.results import largest
 from pushbelt.fmu.unit import Archive, refuse_others
 from pushbelt.maps.data import Maps
+from pushbelt.points import SteadyStateError
 from pushbelt.report import side_by_side
 from pushbelt.report.side_by_side import tick
+from pushbelt.variator import Variator
 
 from . import simulate
 from .cycle import CYCLES, titled
@@ -22,8 +25,8 @@ from .thrust_map import ThrustMap
 from .vehicle import Car, demo_car
 
 LOW_FRICTION = 0.7  # Friction in the runs with low friction, relative to the coefficient that the controllers assume
-
 FRAMES = 600  # Largest number of times in a drive at which the belt is recorded
+STATES = 16  # Number of times of a run whose steady states are changed; each has the same share of the losses
 
 
 def moments(start: float, stop: float) -> tuple[float, ...]:
@@ -107,3 +110,25 @@ def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:
         return ThrustMap.of_maps(Maps.read(plan.maps))
     parameters = simulate.unit_parameters(demo_car(), ring, "coarse", plan.variator)
     return ThrustMap.of_maps(measure(fmu, parameters, cache))
+
+
+def band_of_losses(fmu: Path, run: Run) -> tuple[float, list[str]]:
+    """Relative standard deviation of the variator's lost energy, and the three parameters that make most of it. The controllers' demands are
+    those of the run."""
+    deviations = parameter_deviations(run.setup.variator)
+    if not deviations:
+        raise ArgumentError(f"--bands: no parameter of {run.setup.variator} has a known deviation")
+    energy, found = np.cumsum(run["loss.total"]), []
+    rows = np.searchsorted(energy, energy[-1] * (np.arange(STATES) + 0.5) / STATES)
+    with Variator(run.setup.variator, fmu=fmu) as belt:
+        for row in rows:
+            torque, speed, force = (float(run[name][row]) for name in ("primary.shaftTorque", "primary.speed", "secondary.clampingForceTotal"))
+            try:
+                one = belt.bands(float(run["ratio.geometric"][row]), -torque, deviations, speed=speed, force=force)
+            except SteadyStateError:
+                continue
+            found.append(one.chords["loss.total"] / one.outputs["loss.total"])
+    if not found:
+        raise ArgumentError(f"--bands: {run.setup.name} has no steady states near its {STATES} times")
+    chords = np.mean(found, axis=0)
+    return float(np.linalg.norm(chords)), largest(deviations, np.abs(chords))

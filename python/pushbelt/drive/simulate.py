@@ -1,7 +1,5 @@
 """The simulation loop: driver, car, controllers and hydraulics around the FMU, advanced by communication steps."""
 
-from __future__ import annotations
-
 import math
 import time as clock
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """The transmission control: target ratio, clamping forces and pressure circuits. It is called once per control step."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ clutch has states here. They are integrated with steps of 1 ms and the primary s
 gets the mean clutch torque over the communication step, which conserves momentum.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """The report: one self-contained HTML file, and the results as JSON and CSV."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib.metadata
 import json

@@ -1,8 +1,6 @@
 """The table of outputs: in SI units or with units in its header, with the names of the FMU's outputs; or a load collective, whose rows have hours.
 Errors are reported by line and column."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 from collections.abc import Callable, Mapping

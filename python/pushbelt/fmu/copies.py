@@ -5,8 +5,6 @@ their names. The library answers for the value references that the copies add (`
 For importers on ARM that look in `linux64` there is a copy with the library for ARM in that folder.
 """
 
-from __future__ import annotations
-
 import re
 import zipfile
 from collections.abc import Callable

@@ -4,8 +4,6 @@ Signs and places are those of the FMU: the secondary pulley S is at the origin, 
 the leftmost point of S and runs over the upper strand to P and back along the lower strand. SI units.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

@@ -6,7 +6,7 @@ import importlib.util
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -167,8 +167,7 @@ class Bands:
         return in_notebook(self, self.to_dataframe)
 
 
-@dataclass(frozen=True)
-class LoadCase:
+class LoadCase(NamedTuple):
     ratio_name: str  # `overdrive`, `medium` or `underdrive`
     theta: float  # Ratio coordinate
     torque: float  # Steady belt torque on the primary pulley, N·m
@@ -180,8 +179,7 @@ class LoadCase:
         return f"{self.ratio_name}-{self.torque:g}"
 
 
-@dataclass(frozen=True)
-class LoadCaseResult:
+class LoadCaseResult(NamedTuple):
     case: LoadCase
     steady: SteadyState
     drift: float  # Relative change of the thrust ratio when the simulation continues from the steady state

@@ -104,18 +104,11 @@ class StartValueError(PushbeltError, ValueError):
 def checked(variables: Mapping[str, Any], values: Mapping[str, Any], causalities: Collection[str] = SETTABLE) -> dict[str, float]:
     """The values converted to the types of their variables. Text may be a number, a Boolean or the name of an
     enumeration's item. Raises StartValueError for an unknown name, a wrong type, or a number out of range."""
-    return {name: _value(_variable(variables, name, causalities), value) for name, value in values.items()}
-
-
-def _variable(variables: Mapping[str, Any], name: str, causalities: Collection[str]) -> Any:
-    variable = variables.get(name)
-    if variable is not None and variable.causality in causalities:
-        return variable
-    wanted = f"the FMU has no {' or '.join(causalities)} {name}"
-    if variable is not None:
-        raise StartValueError(f"{wanted}: its causality is {variable.causality}")
-    settable = (other.name for other in variables.values() if other.causality in causalities)
-    raise StartValueError(wanted + similar(name, settable))
+    settable = {name: variable for name, variable in variables.items() if variable.causality in causalities}
+    for name in (name for name in values if name not in settable):
+        why = f": its causality is {variables[name].causality}" if name in variables else similar(name, settable)
+        raise StartValueError(f"the FMU has no {' or '.join(causalities)} {name}{why}")
+    return {name: _value(settable[name], value) for name, value in values.items()}
 
 
 def _value(variable: Any, value: Any) -> float:
@@ -169,9 +162,6 @@ def read_ssv(path: Path, variables: Mapping[str, Any]) -> dict[str, float]:
         return checked(variables, {one.name: one.value for one in parameters})
     except StartValueError as error:
         raise StartValueError(f"{path}: {error}") from error
-
-
-# Copies of the FMU
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:

@@ -123,8 +123,6 @@ class Instance(AbstractContextManager["Instance"]):
         self._freed = True
         self._logs.pop(id(self.log), None)
 
-    # Initialisation and steps
-
     def restart(self, start_values: Mapping[str, float], near: bool = False) -> None:
         """Resets to the state of a new instance. With `near` a steady start is first sought from the one before, if the FMU can."""
         self._call(self._reset_near if near and hasattr(self._instance.dll, "pushbeltResetNear") else self._instance.reset)
@@ -156,8 +154,6 @@ class Instance(AbstractContextManager["Instance"]):
         self._call(self._instance.doStep, currentCommunicationPoint=self.time, communicationStepSize=time - self.time)
         self.time = time
 
-    # Stored states
-
     def state(self) -> bytes:
         pointer = self._call(self._instance.getFMUState)
         try:
@@ -173,8 +169,6 @@ class Instance(AbstractContextManager["Instance"]):
         finally:
             self._call(self._instance.freeFMUState, pointer)
         self.time = time
-
-    # Variables
 
     def set(self, values: Mapping[str, float]) -> None:
         for name, value in values.items():
@@ -248,8 +242,6 @@ class Instance(AbstractContextManager["Instance"]):
             return json.loads(ctypes.string_at(text))
         finally:
             free(text)
-
-    # Calls
 
     def _call(self, function: Any, *arguments: Any, **keywords: Any) -> Any:
         # The library would read freed memory.

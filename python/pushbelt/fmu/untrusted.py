@@ -49,16 +49,13 @@ def checked_archive(path: Path) -> None:
 def _objection(entry: zipfile.ZipInfo) -> str | None:
     """Reason why a file of an archive is not unpacked. zipfile truncates names at a zero byte and normalises path separators."""
     name = entry.orig_filename
-    parts = name.removesuffix("/").split("/")
-    if "\\" in name or "\0" in name or ":" in name:
-        return "contains a character that is not allowed in a path"
-    if any(part in ("", ".", "..") for part in parts):
-        return "is outside the folder or is not a plain path"
-    if stat.S_ISLNK(entry.external_attr >> 16):
-        return "is a link"
-    if entry.flag_bits & 0x1:
-        return "is encrypted"
-    return None
+    objections = {
+        "contains a character that is not allowed in a path": any(sign in name for sign in ("\\", "\0", ":")),
+        "is outside the folder or is not a plain path": any(part in ("", ".", "..") for part in name.removesuffix("/").split("/")),
+        "is a link": stat.S_ISLNK(entry.external_attr >> 16),
+        "is encrypted": bool(entry.flag_bits & 0x1),
+    }
+    return next((why for why, true in objections.items() if true), None)
 
 
 def described(path: Path) -> Any:

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     import pandas
 
 FASTER = 10.0  # Ratio of the fastest pole and the next one above which the fastest is interpolated by itself
-
-Weighted = Sequence[tuple[LinearModel, float]]
 ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; `held` contains the inputs that hold it"
 
 
@@ -64,7 +62,7 @@ def _along(name: str, values: Array, value: float) -> list[tuple[int, float]]:
     return [(int(order[k]), weight) for k, weight in weights.items() if weight > 0.0]
 
 
-def interpolated(models: Weighted) -> LinearModel:
+def interpolated(models: Sequence[tuple[LinearModel, float]]) -> LinearModel:
     """The mean of models with weights. Raises ArgumentError if their states or inputs differ, or have no common meaning."""
     first = models[0][0]
     if first.coordinates != "physical":

@@ -9,8 +9,6 @@ Writes models.npz (numpy), models.mat (MATLAB), models.json, and report.html wit
 the belt slips through has no model. If no point has a model, the program fails.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

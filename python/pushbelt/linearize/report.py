@@ -1,7 +1,5 @@
 """The report: Bode and step plots, and a table of the points, in one self-contained HTML file."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -32,7 +30,7 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
     context = {
         "points": [(title(grid, point), model, ", ".join(map(pole, model.poles[model.poles.imag >= 0.0][:SHOWN_POLES]))) for point, model in found],
         "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
-        "charts": list(zip(outputs, bode(drawn), steps(drawn, time), strict=True)),
+        "charts": list(charts(drawn, time)),
         "first": found[0][1], "drawn": len(drawn),
     }  # fmt: skip
     page.write_html("linearize/linearize.html.j2", context, path)
@@ -47,18 +45,14 @@ def chosen(grid: LinearGrid) -> list[Drawn]:
     several = [axis for axis in values if len(values[axis]) > 1]
     kept = {axis: [every[len(every) // 2]] for axis, every in values.items()}
     for axis, most in zip(several, (MOST_DASHED if len(several) > 1 else len(COLOURS), len(DASHES)), strict=False):
-        kept[axis] = _spread(values[axis], most)
+        places = np.linspace(0, len(values[axis]) - 1, min(len(values[axis]), most)).round().astype(int)
+        kept[axis] = [values[axis][k] for k in np.unique(places)]
     drawn: list[Drawn] = []
     for point, model in found:
         if all(point[axis] in kept[axis] for axis in kept):
             colour, dash = [*(kept[axis].index(point[axis]) for axis in several), 0, 0][:2]
             drawn.append(({"name": title(grid, point), "colour": COLOURS[colour], "dash": DASHES[dash]}, model))
     return drawn or [({"name": title(grid, found[0][0]), "colour": COLOURS[0]}, found[0][1])]
-
-
-def _spread(values: list[float], most: int) -> list[float]:
-    places = np.unique(np.linspace(0, len(values) - 1, min(len(values), most)).round().astype(int))
-    return [values[k] for k in places]
 
 
 def title(grid: LinearGrid, point: dict[str, float]) -> str:
@@ -68,21 +62,27 @@ def title(grid: LinearGrid, point: dict[str, float]) -> str:
     return ", ".join(f"{name} {shown[name][0] * value:.4g} {shown[name][1]}".rstrip() for name, value in several.items())
 
 
-def bode(drawn: Sequence[Drawn]) -> Iterator[Chart]:
-    """Magnitude and phase from each input, over Hz, for each output."""
-    first = drawn[0][1]
+def charts(drawn: Sequence[Drawn], end: float) -> Iterator[tuple[str, Chart, Chart]]:
+    """For each output, from each input: magnitude and phase over Hz, and the response to a unit step over time."""
+    first, times = drawn[0][1], np.linspace(0.0, end, 400)
     frequencies = np.geomspace(LOWEST, first.frequency, 300)
-    found = np.array([model.response(2.0 * np.pi * frequencies) for _, model in drawn])
+    responses = np.array([model.response(2.0 * np.pi * frequencies) for _, model in drawn])
+    stepped = np.array([model.step(times) for _, model in drawn])
     log: dict[str, Any] = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, first.frequency)}
+    common: dict[str, Any] = {"columns": 2, "common_legend": True, "least_width": 330}
+
+    def lines(x: Array, values: Iterable[Array]) -> list[Series]:
+        return [Series(x=x, y=y, **look) for (look, _), y in zip(drawn, values, strict=True)]
+
     for k, output in enumerate(first.outputs):
-        panels = []
+        bode, steps = [], []
         for m, load in enumerate(first.inputs):
             scale, unit = per(first.units[output], first.units[load])
-            size = [Series(x=frequencies, y=scale * np.abs(values), **look) for (look, _), values in zip(drawn, found[:, :, k, m], strict=True)]
-            phase = [Series(x=frequencies, y=values, **look) for (look, _), values in zip(drawn, phases(found[:, :, k, m]), strict=True)]
-            panels.append(Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log))
-            panels.append(Panel(f"{load} → {output}: phase (°)", phase, **log))
-        yield Chart(panels, f"Bode plots of {output}", columns=2, common_legend=True, least_width=330)
+            found = responses[:, :, k, m]
+            bode.append(Panel(f"{load} → {output}: magnitude ({unit})", lines(frequencies, scale * np.abs(found)), scale="log", **log))
+            bode.append(Panel(f"{load} → {output}: phase (°)", lines(frequencies, phases(found)), **log))
+            steps.append(Panel(f"{load} → {output} ({unit})", lines(times, scale * stepped[:, :, k, m]), "time (s)", x_range=(0.0, end)))
+        yield output, Chart(bode, f"Bode plots of {output}", **common), Chart(steps, f"Step responses of {output}", linked=True, **common)
 
 
 def phases(responses: Iterable[Array]) -> list[Array]:
@@ -91,19 +91,6 @@ def phases(responses: Iterable[Array]) -> list[Array]:
     means = np.array([phase.mean() for phase in found])
     centre = np.degrees(np.angle(np.exp(1j * np.radians(means)).sum()))
     return [phase - 360.0 * turn for phase, turn in zip(found, np.round((means - centre) / 360.0), strict=True)]
-
-
-def steps(drawn: Sequence[Drawn], end: float) -> Iterator[Chart]:
-    """Responses to a unit step of each input, over time, for each output."""
-    times, first = np.linspace(0.0, end, 400), drawn[0][1]
-    found = np.array([model.step(times) for _, model in drawn])
-    for k, output in enumerate(first.outputs):
-        panels = []
-        for m, load in enumerate(first.inputs):
-            scale, unit = per(first.units[output], first.units[load])
-            series = [Series(x=times, y=scale * values, **look) for (look, _), values in zip(drawn, found[:, :, k, m], strict=True)]
-            panels.append(Panel(f"{load} → {output} ({unit})", series, "time (s)", x_range=(0.0, end)))
-        yield Chart(panels, f"Step responses of {output}", columns=2, linked=True, common_legend=True, least_width=330)
 
 
 def per(output: str, load: str) -> tuple[float, str]:

@@ -1,10 +1,8 @@
 """Animation of the belt on its pulleys with a time slider: push force, or tension of a chain, in colour, gaps and spiral running magnified."""
 
-from __future__ import annotations
-
 import base64
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,39 +52,27 @@ def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) ->
     return offset
 
 
-def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], turned: Sequence[Array]) -> Motion:
-    """States of a run. `turned` has the angles of P and S and the displacement of the belt at each time."""
-    times, shown = zip(*sorted(states.items(), key=lambda one: one[0]), strict=True)
+def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], run: Trace | None = None) -> Motion:
+    """States by their times. Pulleys and belt turn by the speeds of the run, or else by those of the states."""
+    time, shown = np.array(sorted(states)), [states[moment] for moment in sorted(states)]
+    run = run or Trace(time, {name: np.array([state[name] for state in shown]) for name in SPEEDS})
     curves = [curve_of(parameters, state["reference.theta"]) for state in shown]
-    primary, secondary, way = turned
+    primary, secondary, way = (np.interp(time, run.time, cumulative_trapezoid(run[name], run.time, initial=0.0)) for name in SPEEDS)
     return Motion(
-        time=np.array(times),
+        time=time,
         force=np.array([getattr(state.profile, "ring_tension" if is_chain(parameters) else "push_force") for state in shown]),
         offset=np.array([belt_offset(*one, parameters["belt.pitchOffset"]) for one in zip(shown, curves, strict=True)]),
         gap=np.array([state.profile.gap for state in shown]),
         radii=np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves]),
-        angles=np.stack([secondary, primary], axis=1), way=np.asarray(way),
+        angles=np.stack([secondary, primary], axis=1), way=way,
     )  # fmt: skip
-
-
-def over_time(time: Array, columns: Mapping[str, Array], states: Mapping[float, BeltState], parameters: Mapping[str, float]) -> Motion:
-    """States of a run by their times. Its columns have the speeds that turn pulleys and belt."""
-    moments = np.array(sorted(states))
-    turned = [np.interp(moments, time, cumulative_trapezoid(columns[name], time, initial=0.0)) for name in SPEEDS]
-    return motion(states, parameters, turned)
 
 
 def of_run(run: Trace, profiles: Mapping[float, Profile], parameters: Mapping[str, float]) -> Motion:
     """The belt at the times of profiles of a run."""
     outputs = {time: {name: float(np.interp(time, run.time, run[name])) for name in OUTPUTS} for time in profiles}
     states = {time: BeltState(outputs[time], profile) for time, profile in profiles.items()}
-    return over_time(run.time, run.columns, states, parameters)
-
-
-def steady(state: BeltState, parameters: Mapping[str, float]) -> Motion:
-    """A steady state, in which only the pulleys and the belt move."""
-    ends = np.array([0.0, STEADY_TIME])
-    return motion({0.0: state, STEADY_TIME: state}, parameters, [state[name] * ends for name in SPEEDS])
+    return motion(states, parameters, run)
 
 
 def magnification(size: float, shown: float) -> int:

@@ -5,14 +5,12 @@ draws each panel; `charts.js.j2` has the layout that all panels have, and adds t
 a linked chart share cursor and zoom along x.
 """
 
-from __future__ import annotations
-
 import base64
 import itertools
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from markupsafe import Markup, escape
@@ -51,8 +49,7 @@ class Series:
     bar_width: float | None = None
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(NamedTuple):
     """Values over a grid, as filled contours or as labelled contour lines."""
 
     name: str
@@ -66,8 +63,7 @@ class Field:
     lines_only: bool = False
 
 
-@dataclass(frozen=True)
-class Shade:
+class Shade(NamedTuple):
     """A stretch along x."""
 
     start: float
@@ -77,16 +73,14 @@ class Shade:
     opacity: float = 0.12
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(NamedTuple):
     """A line at one x."""
 
     x: float
     label: str = ""
 
 
-@dataclass(frozen=True)
-class Level:
+class Level(NamedTuple):
     """A line at one y."""
 
     y: float
@@ -153,9 +147,6 @@ def panel_data(panel: Panel, linked: bool = False) -> dict[str, Any]:
     return {"data": traces, "layout": _layout(panel, linked)}
 
 
-# Numbers
-
-
 def encoded(values: ArrayLike) -> Any:
     """Numbers in a form that plotly reads: short arrays as a list, long ones as the bytes of 32-bit floats."""
     array = np.asarray(values, dtype=float)
@@ -180,9 +171,6 @@ def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
         keep |= {start, end - 1, start + order[0], start + order[np.isfinite(part).sum() - 1]}
     kept = np.array(sorted(keep))
     return x[kept], y[kept]
-
-
-# Traces
 
 
 def _traces(one: Series, linked: bool) -> list[dict[str, Any]]:
@@ -247,12 +235,8 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
     trace |= {"hoverinfo": "skip", "colorscale": [list(stop) for stop in colour_stops(share)]}
     trace["colorbar"] = {"title": {"text": one.unit}}
     if one.ticks:
-        places, texts = zip(*one.ticks, strict=True)
-        trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
+        trace["colorbar"] |= {"tickvals": [place for place, _ in one.ticks], "ticktext": [text for _, text in one.ticks]}
     return trace
-
-
-# Axes
 
 
 def _axis(label: str, ticks: Sequence[Tick], span: tuple[float, float] | None, scale: str) -> dict[str, Any]:
@@ -265,8 +249,7 @@ def _axis(label: str, ticks: Sequence[Tick], span: tuple[float, float] | None, s
     if span is not None:
         axis |= {"range": [float(v) for v in (np.log10(span) if scale == "log" else span)], "autorange": False}
     if ticks:
-        places, texts = zip(*ticks, strict=True)
-        axis |= {"tickmode": "array", "tickvals": [float(p) for p in places], "ticktext": list(texts)}
+        axis |= {"tickmode": "array", "tickvals": [float(place) for place, _ in ticks], "ticktext": [text for _, text in ticks]}
     return axis
 
 

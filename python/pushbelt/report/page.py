@@ -1,16 +1,13 @@
 """Common parts of the reports: number formats, templates, the embedded library of the figures."""
 
-from __future__ import annotations
-
 import base64
 import functools
 import gzip
 import platform
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jinja2
 from markupsafe import Markup
@@ -22,8 +19,7 @@ from . import style
 MINUS = "\N{MINUS SIGN}"
 
 
-@dataclass(frozen=True)
-class Check:
+class Check(NamedTuple):
     """A statement about results, and whether they confirm it."""
 
     statement: str

@@ -1,7 +1,5 @@
 """Progress bars, and simulations in parallel processes with a common one."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal
@@ -79,9 +77,7 @@ def _follow(futures: list[Future[Any]], ticks: Any, update: Callable[[float], ob
     waiting = set(futures)
     while waiting:
         finished, waiting = wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED)
-        while not ticks.empty():
-            update(ticks.get())
         for future in finished:
             future.result()
-    while not ticks.empty():
-        update(ticks.get())
+        while not ticks.empty():
+            update(ticks.get())

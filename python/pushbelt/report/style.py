@@ -1,7 +1,5 @@
 """Colours of all figures, and the units of their values."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

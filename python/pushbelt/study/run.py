@@ -1,7 +1,5 @@
 """Solves the tasks of a study: missing ones are sent to the cluster in chunks, and each finished chunk is stored in a file of its own."""
 
-from __future__ import annotations
-
 import argparse
 import gzip
 import json
@@ -11,10 +9,9 @@ import time
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pushbelt.fmu.unit import Archive
 from pushbelt.report import side_by_side
@@ -53,8 +50,7 @@ class Store:
         return found
 
 
-@dataclass(frozen=True)
-class Effort:
+class Effort(NamedTuple):
     tasks: int  # Number of tasks solved in this run
     seconds: float  # Wall-clock time including the start of the cluster, s
     processor_time: float  # Processor time of all tasks, also of earlier runs, s

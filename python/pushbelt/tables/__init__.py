@@ -5,8 +5,6 @@ files (bytes → cells)   ┐
 names, numerals, units  ┴→ sheet (cells → columns in SI) → series (plateaus) → points (what is measured where) → plausible
 """
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """Columns that a rig's table may have, and the template of a table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -69,9 +69,6 @@ def read(path: Path, names: Names, sheet: str | None = None, encoding: str | Non
     return _text(data, names, encoding)
 
 
-# Text
-
-
 def _decoded(data: bytes, encoding: str | None = None) -> tuple[str, str]:
     if encoding is None and data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
         encoding = "utf-16"
@@ -97,7 +94,9 @@ def _text(data: bytes, names: Names, known: str | None) -> Cells:
     shown = [line for line in lines if line.strip(' ,;|\t"')]
     if not shown:
         raise TextError("the table is empty")
-    separator = _separator(shown[:HEAD], names)
+    # That by which the lines have most known names; among equals, that in most lines.
+    rows = {sign: [_split(line, sign) for line in shown[:HEAD]] for sign in SEPARATORS}
+    separator = max(rows, key=lambda one: (max(map(names.count, rows[one])), sum(len(row) > 1 for row in rows[one])))
     name = f"{encoding.upper()}, {SEPARATORS[separator]} between columns"
     if separator == "  ":
         lines, separator = ["\x1f".join(_split(line, "  ")) if line.strip() else "" for line in lines], "\x1f"
@@ -139,15 +138,6 @@ def _with_header(lines: Sequence[str], names: Names) -> list[str]:
         best = max(remarks, key=lambda place: most(remarks[place]))
         found[best] = remarks[best] if most(remarks[best]) >= LEAST_NAMES else ""
     return found
-
-
-def _separator(lines: Sequence[str], names: Names) -> str:
-    """The separator by which the lines have most known names; among equals, the one in most lines."""
-    rows = {separator: [_split(line, separator) for line in lines] for separator in SEPARATORS}
-    return max(rows, key=lambda one: (max(map(names.count, rows[one])), sum(len(row) > 1 for row in rows[one])))
-
-
-# Spreadsheets
 
 
 @contextmanager
@@ -208,9 +198,6 @@ def _cell(cell: Any) -> str | float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return " ".join(str(value).split())
     return Percent(100.0 * value) if "%" in str(cell.number_format) else value
-
-
-# Data frames
 
 
 def _parquet(data: bytes) -> Cells:

@@ -4,8 +4,6 @@ Names are compared without case, blanks, points and brackets; any other sign mak
 `input speed` are words for pulley and quantity.
 """
 
-from __future__ import annotations
-
 import difflib
 import re
 import unicodedata

@@ -4,8 +4,6 @@ A doubt is a property that the whole table has, such as a belt speed of 1 m/s. T
 units, and exchanged columns. A reading is named if it removes doubts and adds none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
@@ -144,9 +142,6 @@ def doubts(p: _Points) -> dict[str, str]:
     if p.thrust_off() > OFF:
         found["thrust law"] = "thrust ratios do not rise to overdrive and with the primary torque as usual"
     return found
-
-
-# Other readings
 
 
 class Other(NamedTuple):

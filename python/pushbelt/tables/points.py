@@ -1,7 +1,5 @@
 """What a rig's table measures: steady points, or recorded shifts. Errors are reported by line and column, all at once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -159,8 +157,6 @@ class _Points:
     def _leave_out(self, text: str, row: int, name: str | None = None) -> None:
         self.sheet.left_out.append(self._place(text, row, name))
 
-    # Columns that follow from others
-
     def _has(self, *names: str) -> bool:
         return all(bool(np.isfinite(self._get(name)).any()) for name in names)
 
@@ -234,8 +230,6 @@ class _Points:
             lines = ", ".join(str(line) for line in self.sheet.lines[known & ~inside])
             self.sheet.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 by more than its deviation and is not used")
 
-    # Steady points
-
     def _steady(self) -> list[Point]:
         lost = {fault.line for fault in self.sheet.left_out}
         rows = [row for row, line in enumerate(self.sheet.lines.tolist()) if line not in lost]
@@ -271,20 +265,15 @@ class _Points:
         return Point(
             line, self.sheet.texts.get(NAME, {row: ""})[row] or f"line {line}", ratio, values.get("ratio.speed") if ratio is None else None,
             speed, torque, force, values["primary.clampingForce"] if shift else None,
-            tuple(self._measured(quantity, row, value) for quantity, value in measured.items()),
+            tuple(Measured(quantity, value, *self._deviation(quantity, row, value)) for quantity, value in measured.items()),
         )  # fmt: skip
-
-    def _measured(self, quantity: str, row: int, value: float, key: str = "", time: float | None = None) -> Measured:
-        """A value with the standard deviation of the table, or else the assumed one with the standard error of averaged values."""
-        deviation, given = self._deviation(quantity, row, value)
-        return Measured(quantity, value, deviation, given, key, time)
 
     def _deviations(self, quantity: str, values: Array) -> Array:
         return np.array([self._deviation(quantity, row, value)[0] for row, value in enumerate(values.tolist())])
 
     def _deviation(self, quantity: str, row: int, value: float) -> tuple[float, bool]:
         """Standard deviation of a value, and whether it follows from the table: its own one, or to first order those of the columns from which it is
-        computed."""
+        computed; else the assumed one with the standard error of averaged values."""
         known = {name: float(column[row]) for name, column in self.values.items() if name.endswith(DEVIATION) and column[row] > 0.0}
         if quantity + DEVIATION in known:
             return known[quantity + DEVIATION], True
@@ -303,8 +292,6 @@ class _Points:
         if quantity in self.sheet.taken or quantity not in PARTS:
             return [quantity] * (quantity in self.values)
         return [part for name in PARTS[quantity] for part in self._parts(name)]
-
-    # Recorded shifts
 
     def _records(self) -> list[Point]:
         rows: dict[str, list[int]] = {}
@@ -325,13 +312,11 @@ class _Points:
         if len(rows) < 2:
             return self._leave_out(f"series {name} has one sample, and a shift has at least two", rows[0])
         samples = tuple(map(tuple, np.column_stack([times - times[0], *(self._get(column)[rows] for column in RECORDED)]).tolist()))
-        measured = tuple(self._measured(SAMPLED, rows[k], one[5], f"{SAMPLED}@{k}", one[0]) for k, one in enumerate(samples) if k)
+        deviations = [self._deviation(SAMPLED, row, one[5]) for row, one in zip(rows, samples, strict=True)]
+        measured = tuple(Measured(SAMPLED, one[5], *deviations[k], f"{SAMPLED}@{k}", one[0]) for k, one in enumerate(samples) if k)
         _, speed, torque, primary_force, force, ratio = samples[0]
         title = f"series {name}" if name else f"line {line}"
         return Point(line, title, ratio, None, speed, torque, force, primary_force, measured, samples=samples)
-
-
-# Description of a table
 
 
 def understood(rig: Rig) -> list[str]:

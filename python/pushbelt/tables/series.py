@@ -1,7 +1,5 @@
 """Plateaus of a recording: stretches in which no channel changes, each averaged to a row."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -34,12 +32,11 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     texts = sheet.texts.get(step, np.empty(0))
     labels = np.cumsum(np.append(False, texts[1:] != texts[:-1])) if len(texts) else None  # Numbers that change where the step does
     times = sheet.values.get(time, np.full(len(sheet), np.nan))
-    timed = _ascend(times, channels.values())
+    timed = max(_rasters(times, channels.values()), default=0.0) > 0.0 and bool((np.diff(times[np.isfinite(times)]) >= 0.0).all())
     remark = ["the times do not ascend: the rows are taken as equally apart"] * (not timed and bool(np.isfinite(times).any()))
     times = times if timed else np.arange(len(sheet), dtype=float)
     good = np.isfinite(times)
-    steps = [np.diff(times[good & np.isfinite(values)]) for values in channels.values()]
-    raster = min((float(np.median(own)) for own in steps if len(own)), default=0.0)
+    raster = min(_rasters(times, channels.values()), default=0.0)
     together = _together(len(sheet), channels.values())
     # Different points may have a step in common, too.
     inside = np.zeros(1, dtype=bool) if labels is None or labels[-1] == 0 else together[np.diff(labels) == 0]
@@ -83,11 +80,9 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     return reduced
 
 
-def _ascend(times: Array, channels: Iterable[Array]) -> bool:
-    """Whether times ascend between the samples of a channel, and never go back."""
-    good = np.isfinite(times)
-    rasters = [np.median(steps) for own in channels if len(steps := np.diff(times[good & np.isfinite(own)]))]
-    return bool(max(rasters, default=0.0) > 0.0 and (np.diff(times[good]) >= 0.0).all())
+def _rasters(times: Array, channels: Iterable[Array]) -> list[float]:
+    """The median time between samples of each channel."""
+    return [float(np.median(steps)) for own in channels if len(steps := np.diff(times[np.isfinite(times) & np.isfinite(own)]))]
 
 
 def _together(count: int, channels: Iterable[Array]) -> Array:

@@ -172,13 +172,9 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
         raise TableError(str(error), path) from error
 
 
-# Header
-
-
 def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]]:
     """Titles, units, row of the titles, first row of values, and remarks. Raises TextError if the titles are below each other."""
     head = cells.head()
-    # The first of the rows with most names.
     at = max(range(len(head)), key=lambda row: (names.count(head[row]), -row))
     titles = head[at]
     if any(names.count([row[k] for row in head]) > max(names.count(titles), 2.0) for k in range(min(2, len(titles)))):
@@ -198,14 +194,11 @@ def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, 
 
 
 def _is_row_of_units(row: Sequence[str]) -> bool:
-    """No numbers apart from the unit 1, and at least half of the cells are units."""
+    """No numbers apart from the unit 1, and at least half of the cells are known units, or in brackets like one."""
     filled = [cell for cell in row if cell]
-    known = [cell for cell in filled if units.is_unit(cell)]
+    known = [cell for cell in filled if units.dimensions(cell) or re.fullmatch(r"\[[^\]]*\]|\([^)]*\)", cell)]
     numbers = [cell for cell in filled if cell != "1" and any(numerals.number(cell, name) is not None for name in numerals.SIGNS)]
     return bool(set(known) - {"1", "-"}) and 2 * len(known) >= len(filled) and not numbers
-
-
-# Columns and values
 
 
 class _Reader:
@@ -277,8 +270,6 @@ class _Reader:
                 text = f"'{word}': the row is not valid" if valid is not None else f"'{word}': no measured row"
                 self.sheet.left_out.append(Fault(text, int(line), title or None))
 
-    # Titles
-
     def _take(self) -> None:
         """Chooses a column for each known name: what the user wants, else a title with a pulley, else a clock before a date."""
         renamed = self._renamed()
@@ -336,8 +327,7 @@ class _Reader:
         sign, name = turned(said or wanted or "")
         candidates = self.names.split(name or title)
         if not candidates or (title.startswith("#") and not name):
-            self._unknown(title)
-            return None
+            return self._unknown(title)
         written = self._unit(place, title, candidates[0], bool(name))
         for name, _ in candidates:
             column = self._column(name)
@@ -358,8 +348,7 @@ class _Reader:
         self.sheet.failed.add(name)
         usual = units.usual(self._column(name).dimension)
         no_unit = f"no unit; write {' or '.join(f'{name} [{unit}]' for unit in usual)}"
-        self._fault(f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit, title)
-        return None
+        return self._fault(f"the unit of {name} is {' or '.join(usual)}, not {written}" if written else no_unit, title)
 
     def _column(self, name: str) -> Column:
         return self.names.columns[name.removesuffix(DEVIATION)]
@@ -386,8 +375,6 @@ class _Reader:
             self._fault(f'there is no such column; {near} is meant? --map "{title}"={near} says so', title)
         else:
             self.sheet.ignored.append(title)
-
-    # Numbers
 
     def _extra_cells(self) -> None:
         """Cells beyond the last title."""

@@ -1,7 +1,5 @@
 """Units of table columns in their usual spellings, and their factors to SI."""
 
-from __future__ import annotations
-
 import math
 import re
 import unicodedata
@@ -157,12 +155,6 @@ def find(text: str, dimension: str) -> Unit | None:
 def dimensions(text: str) -> frozenset[str]:
     """All dimensions that have a unit with this spelling."""
     return frozenset(dimension for dimension in SPELLED if find(text, dimension) is not None)
-
-
-def is_unit(text: str) -> bool:
-    """Whether a text is a known unit, or is written in brackets like one."""
-    text = text.strip()
-    return bool(dimensions(text)) or bool(re.fullmatch(r"\[[^\]]*\]|\([^)]*\)", text))
 
 
 def usual(dimension: str) -> list[str]:
