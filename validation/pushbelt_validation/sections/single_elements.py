@@ -109,12 +109,22 @@ def _checks(found: dict[str, list[Any]]) -> list[Any]:
     def spread(model: str, key: str, theirs: str = "") -> str:
         return PERCENT.text(*(value for _, value in errors(model, key, theirs, loaded=False) if value is not None))
 
+    pitching = dict(_stored("pitch"))
+
+    def pitched(key: str) -> str:
+        """Relative errors against elements with pitch, under torque."""
+        return PERCENT.text(*(out[key] / pitching[case][key] - 1.0 for case, _, out in found["ALE"] if out and not case.endswith("-0")))
+
     return [
         within("elements-thrust", "Thrust ratio", SOURCE, errors("ALE", "thrustRatio", loaded=False), -THRUST, THRUST, PERCENT),
         within("elements-slip", "Slip under torque", SOURCE, errors("ALE", "slip"), -SLIP, SLIP, PERCENT),
         within("elements-arcs", "Idle arcs; at ratio 1 without torque there are none", SOURCE, arcs, -ARC, ARC, RADIANS),
         within("elements-loss", "Loss of the belt under torque", SOURCE, losses, -LOSS, LOSS, PERCENT),
         reported("elements-push", "Largest push force", SOURCE, "the same", spread("ALE", PUSH_OUTPUT, PUSHES)),
+        *(
+            reported(f"elements-pitch-{key}", f"{name} under torque, elements that pitch by themselves", SOURCE, "typical dimensions", pitched(key))
+            for key, name in (("thrustRatio", "Thrust ratio"), ("slip", "Slip"))
+        ),
         reported("elements-guided", "Thrust ratio of ALE0", SOURCE, "the same", spread("ALE0", "thrustRatio")),
     ]
 
