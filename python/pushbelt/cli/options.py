@@ -18,6 +18,7 @@ import numpy as np
 from ..errors import MissingFileError
 from ..fmu.enumerations import RingModel
 from ..fmu.files import default_fmu
+from ..fmu.gradients import HELD
 from ..provenance import COMMAND
 from ..steel import Material
 from ..tables import units
@@ -89,6 +90,15 @@ def add_study(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--measure", action="store_true", help="only measure the time; nothing stored is used")
 
 
+def add_sensitivities(parser: argparse.ArgumentParser) -> None:
+    """Options of studies: standard deviations and derivatives at each point."""
+    text = "add standard deviations of outputs by those known of the parameter set; a point then takes about thirty times as long"
+    parser.add_argument("--bands", action="store_true", help=text)
+    text = "add derivatives of outputs over real parameters and inputs, and over ratio, torque, speed and force"
+    parser.add_argument("--gradient", type=names, default=(), metavar="NAME,…", help=text)
+    parser.add_argument("--hold", choices=list(HELD), help="what they keep [default: ratio, or forces where the points have a primary force]")
+
+
 def add_material(parser: argparse._ActionsContainer, *safety: str) -> None:
     """Strength of the ring's steel; `safety` are other names of `--stress-safety`."""
     for one in fields(Material):
@@ -134,6 +144,10 @@ def numbers(text: str) -> tuple[float, ...]:
     if not 2 <= int(number) <= MOST_NUMBERS:
         raise ValueError(f"there are 2 to {MOST_NUMBERS} values in a range")
     return tuple(np.linspace(float(low), float(high), int(number)).tolist())
+
+
+def names(text: str) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(filter(None, map(str.strip, text.split(",")))))
 
 
 def assignment(text: str, form: str = "NAME=VALUE", empty: bool = True) -> tuple[str, str]:

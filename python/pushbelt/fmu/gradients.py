@@ -52,6 +52,9 @@ class Asked(NamedTuple):
         return dict(zip(outputs, slopes[:, : len(self.names)], strict=True))
 
 
+NOTHING = Asked()
+
+
 def rates(values: Mapping[str, float], name: str) -> Rates:
     """Rates of start values of `driven_by_torque` without pressures."""
     ratio, speed = values["initial.ratio"], values["initial.primarySpeed"]

@@ -64,12 +64,12 @@ def levels_of(values: Array, preferred: Sequence[float] | None = None) -> Array:
         inside = np.flatnonzero((levels >= low) & (levels <= high))
         if inside.size >= 2:
             return levels[max(inside[0] - 1, 0) : inside[-1] + 2]
-    return np.asarray(MaxNLocator(12).tick_values(low, max(high, low + 1e-6)))
+    return np.asarray(MaxNLocator(12).tick_values(low, max(high, low + 1e-6 * (abs(low) or 1.0))))
 
 
 def middle_of(levels: Array) -> int | None:
     """Index of the level 0, from which the colours diverge, if there are levels on both sides."""
-    zero = np.flatnonzero(np.abs(levels) < 1e-9)
+    zero = np.flatnonzero(np.abs(levels) < 1e-9 * np.abs(levels).max())
     return int(zero[0]) if zero.size and 0 < zero[0] < len(levels) - 1 else None
 
 

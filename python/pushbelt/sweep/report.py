@@ -46,6 +46,8 @@ def data_set(grid: Points, table: pa.Table) -> xarray.Dataset:
         numbers = numbers.drop(columns=axes.keys() & numbers.keys())
         numbers.index = pandas.MultiIndex.from_product(axes.values(), names=axes)
     found = numbers.to_xarray()
+    for name in found:
+        found[name].attrs = {key.decode(): text.decode() for key, text in table.schema.field(name).metadata.items()}
     return found.assign(steady=found.thrustRatio.notnull())
 
 
@@ -114,7 +116,9 @@ def contours(results: xarray.Dataset) -> dict[str, Chart]:
     """Charts of all quantities by heading: one chart per clamping force, with one map per friction and speed."""
     end = " at {:.1f} kN" if results.sizes["force"] > 1 else ""
     deviations = (replace(one, name=f"standard deviation of {one.name}", column=one.column + DEVIATION, levels=None) for one in QUANTITIES)
-    places = itertools.product(results.force.values, [*QUANTITIES, *(one for one in deviations if one.column in results)])
+    titles = {str(name): one.unit for name, one in results.items() for shown in QUANTITIES if str(name).startswith(f"d {shown.column}/")}
+    slopes = (Quantity(name, name, unit="" if unit == "1" else unit) for name, unit in titles.items())
+    places = itertools.product(results.force.values, [*QUANTITIES, *(one for one in deviations if one.column in results), *slopes])
     return {one.heading + end.format(1e-3 * force): _contours(results.sel(force=force), one) for force, one in places}
 
 

@@ -10,7 +10,8 @@ from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 from pushbelt.errors import ArgumentError
-from pushbelt.fmu import bands, capacity, closing, steady
+from pushbelt.fmu import bands, capacity, closing, gradients, steady
+from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
@@ -87,6 +88,8 @@ class Study(Tasks):
 
     grid: Grid | Design = DEFAULT
     deviations: Mapping[str, float] = field(default_factory=dict)  # Standard deviations of parameters, for bands
+    gradient: tuple[str, ...] = ()  # Conditions, parameters and inputs over which derivatives are taken
+    hold: str | None = None  # What these keep (`gradients.HELD`); by default the ratio, or given forces
 
     def __post_init__(self) -> None:
         parameters = checked(self.variables, self.parameters, {"parameter"})
@@ -95,15 +98,25 @@ class Study(Tasks):
         if taken := parameters.keys() & {*self.grid.columns, *fixed}:
             raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
+        assert self.asked
 
-    procedure = (point, steady, closing, bands)
+    @cached_property
+    def asked(self) -> Asked:
+        """Raises UnknownNameError or ArgumentError for a gradient that no point has."""
+        given = any("initial.equilibrium" in point.ACTING.get(name, ()) for name in self.grid.columns)
+        if given and self.hold not in (None, "forces"):
+            raise ArgumentError(f"hold = {self.hold!r}: the points have a primary force, so changed states keep the forces")
+        return Asked(tuple(self.gradient), self.hold or ("forces" if given else "ratio")).checked(self.variables)
+
+    procedure = (point, steady, closing, bands, gradients)
 
     @property
     def measure(self) -> Any:
-        return partial(point.solve, deviations=self.deviations)
+        return partial(point.solve, deviations=self.deviations, asked=self.asked)
 
     def document(self) -> dict[str, Any]:
-        return {"parameters": dict(self.parameters), "grid": asdict(self.grid), **({"deviations": dict(self.deviations)} if self.deviations else {})}
+        more = {"deviations": dict(self.deviations), "gradient": self.gradient and self.asked}
+        return {"parameters": dict(self.parameters), "grid": asdict(self.grid), **{name: one for name, one in more.items() if one}}
 
     def tasks(self) -> list[dict[str, float]]:
         return [self.start_values(point) for point in self.grid.points()]
