@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property, partial
 from operator import itemgetter
 from typing import Any
@@ -14,17 +13,18 @@ from typing import Any
 import numpy as np
 
 from pushbelt.errors import ArgumentError
-from pushbelt.fmu import steady, working_points
+from pushbelt.fmu import bands, gradients, steady, working_points
 from pushbelt.fmu.data import pitch_radius, torque_capacity
 from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.gradients import Asked, quotient, units_of
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.steady import SteadyStates
-from pushbelt.fmu.working_points import FADING_SPEED, POINT_COLUMNS, SHAFTS, Along, Line
+from pushbelt.fmu.working_points import POINT_COLUMNS, SHAFTS, SHOWN, Along, Beside, Line, camel, drag, slope
 from pushbelt.study.tasks import Row, Tasks, ascending, spread
 
-from .data import AXES, POINT, STATES, TABLES, Maps
+from .data import AXES, POINT, STATES, TABLES, Maps, Quantity
 
-COLUMNS = {re.sub(r"\.(.)", lambda dot: dot[1].upper(), name): name for name in POINT_COLUMNS if name != "pastPeak"}
+COLUMNS = {camel(name): name for name in POINT_COLUMNS if name != "pastPeak"}
 """Tables that are columns of the measured points: `lossSheaves` of `loss.sheaves`."""
 MARGIN = 1.06
 """Factor between the ratios of the end stops and the outermost ratios. A loaded belt rests within it of the stops."""
@@ -84,9 +84,12 @@ class Plan(Tasks):
     """The lines of a grid, for an FMU and a variator."""
 
     grid: Grid = COARSE
+    deviations: Mapping[str, float] = field(default_factory=dict)  # Standard deviations of parameters, for bands
+    asked: Asked = gradients.NOTHING
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parameters", checked(self.variables, self.parameters, {"parameter"}))
+        self.asked.checked(self.variables)
 
     @cached_property
     def full(self) -> dict[str, float]:
@@ -103,13 +106,14 @@ class Plan(Tasks):
         low, high = stops(self.full)
         return spread(low * MARGIN, high / MARGIN, self.grid.ratios)
 
-    procedure = (working_points, steady)
+    procedure = (working_points, steady, bands, gradients)
 
     @property
     def measure(self) -> Callable[[SteadyStates, Line], Row]:
         excesses = tuple(excess for excess in self.grid.excess if excess != 0.0)
         along = Along(self.grid.utilisation, self.grid.slip_share, self.grid.shift_utilisation, excesses)
-        return partial(working_points.measure, along=along)
+        beside = Beside({name: one for name, one in self.full.items() if ".drag." in name or ".bearing." in name}, self.deviations, self.asked)
+        return partial(working_points.measure, along=along, beside=beside if self.deviations or self.asked.names else None)
 
     @property
     def common(self) -> Mapping[str, float]:  # type: ignore[override]
@@ -121,7 +125,20 @@ class Plan(Tasks):
         return [Line(*values) for values in itertools.product(self.grid.force, self.grid.speed, self.ratios)]
 
     def document(self) -> dict[str, Any]:
-        return {"parameters": dict(self.full), "grid": {**asdict(self.grid), "ratio": self.ratios}}
+        more = {"deviations": dict(self.deviations), "gradient": self.asked.names and self.asked}
+        grid = {**asdict(self.grid), "ratio": self.ratios}
+        return {"parameters": dict(self.full), "grid": grid, **{name: one for name, one in more.items() if one}}
+
+    @property
+    def added(self) -> dict[str, Quantity]:
+        """Tables of standard deviations and derivatives."""
+        units, end = units_of(self.variables), f", the {self.asked.hold} kept"
+        banded = SHOWN if self.deviations else ()
+        found = {f"{name}Deviation": Quantity(TABLES[name].unit, f"Standard deviation of {name}", POINT) for name in banded}
+        for over, name in itertools.product(self.asked.names, SHOWN):
+            unit = quotient(TABLES[name].unit, units[over])
+            found[slope(name, over)] = Quantity(unit, f"Derivative of {name} over {over}{end}", POINT)
+        return found
 
 
 # Solved lines
@@ -153,10 +170,14 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     ends = [max(zero - 1, 0), min(zero + 1, len(axes["excess"]) - 1)]
     tables["shiftGain"] = np.diff(tables["shiftRate"][..., ends])[..., 0] / (np.diff(axes["excess"][ends])[0] or 1.0)
     tables |= with_shafts(plan.full, axes, tables)
+    for name in plan.added:
+        found_there = gathered(lambda row, name=name: [(one or {}).get(name) for one in row["beside"]])  # type: ignore[misc]
+        tables[name] = np.where(tables["valid"] > 0.0, found_there, np.nan)
+    by = {name: _texts(plan, rows, f"{name} by") for name in SHOWN} if plan.deviations else {}
     description = plan.description
     source = {"model": description.modelName, "version": description.version or "", "guid": description.guid}
-    assert tables.keys() == TABLES.keys()
-    return Maps(axes, tables, {name: float(value) for name, value in plan.full.items()}, source, reasons)
+    assert tables.keys() == TABLES.keys() | plan.added.keys()
+    return Maps(axes, tables, {name: float(value) for name, value in plan.full.items()}, source, reasons, by, plan.added)
 
 
 def _nearest(index: int, found: Iterable[int], shape: tuple[int, ...]) -> int:
@@ -181,6 +202,18 @@ def _states(plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: 
     return state, reasons
 
 
+def _texts(plan: Plan, rows: Mapping[int, Row], name: str) -> dict[str, str]:
+    """Texts of points by their place."""
+    route = len(plan.grid.force), len(plan.grid.speed), len(plan.ratios)
+    lines = {index: enumerate(row["beside"]) for index, row in rows.items() if "points" in row}
+    return {
+        "/".join(map(str, (*np.unravel_index(index, route), k))): one[name]
+        for index, line in lines.items()
+        for k, one in line
+        if one and name in one
+    }
+
+
 def filled(values: Array) -> Array:
     """Values with gaps (NaN) filled with the nearest value along the last axis."""
     there = np.isfinite(values)
@@ -202,21 +235,17 @@ def monotone(rates: Array, excesses: Array) -> Array:
 
 
 def with_shafts(parameters: Mapping[str, float], axes: Mapping[str, Array], tables: Mapping[str, Array]) -> dict[str, Array]:
-    """Primary torque, and what follows from the drag of the shafts: T_d = tanh(ω/ω_0) (T_0 + μ r R) + b ω."""
+    """Primary torque, and what follows from the drag of the shafts."""
     force, speed, ratio, utilisation = np.meshgrid(*(axes[name] for name in POINT), indexing="ij")
     per_force = np.array([torque_capacity(parameters, i, 1.0) for i in axes["ratio"]])
     torque = utilisation * force * per_force[None, None, :, None]
     # The secondary shaft turns at speed/ratio, the primary one faster by the slip.
     turning = {"primary": speed / (1.0 - tables["slip"]), "secondary": speed / ratio}
-    drag = {}
-    for pulley, omega in turning.items():
-        lever = parameters[f"{pulley}.bearing.friction"] * parameters[f"{pulley}.bearing.radius"]
-        loaded = parameters[f"{pulley}.drag.constant"] + lever * tables["bearingLoad"]
-        drag[pulley] = np.tanh(omega / FADING_SPEED) * loaded + parameters[f"{pulley}.drag.viscous"] * omega
-    into = torque + drag["primary"]
-    out = ratio * (torque - tables["beltTorqueLoss"]) - drag["secondary"]
+    lost = {pulley: drag(parameters, pulley, omega, tables["bearingLoad"]) for pulley, omega in turning.items()}
+    into = torque + lost["primary"]
+    out = ratio * (torque - tables["beltTorqueLoss"]) - lost["secondary"]
     power_in, power_out = into * turning["primary"], out * turning["secondary"]
     driving, driven = np.where(power_in > 0.0, (power_in, power_out), (-power_out, -power_in))
     efficiency = np.divide(driven, driving, out=np.zeros_like(driven), where=(driving > 0.0) & (driven > 0.0))
-    shafts = sum(drag[pulley] * turning[pulley] for pulley in turning)
+    shafts = sum(lost[pulley] * turning[pulley] for pulley in turning)
     return {"primaryTorque": torque, "lossShafts": shafts, "torqueLoss": into - out / ratio, "efficiency": efficiency}

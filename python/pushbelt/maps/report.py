@@ -5,11 +5,13 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Sequence
+from itertools import starmap
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from pushbelt.maps.data import AXES, TABLES, Maps
+from pushbelt.maps.data import AXES, Maps
 from pushbelt.maps.panels import QUANTITIES, TICKS, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
 from pushbelt.report.page import write_html
@@ -70,13 +72,20 @@ def lines(maps: Maps) -> Chart:
     return Chart(panels, "Capacity, traction and shift rates", columns=3, common_legend=True, least_width=280)
 
 
+def _added(name: str, about: Any) -> Quantity:
+    return Quantity(about.description, name, unit="" if about.unit == "1" else about.unit)
+
+
 def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) -> Path:
     """Writes the report and returns its path. `beside` are the maps of another variator, side by side with these."""
     named = [("", maps)] if beside is None else [("A", maps), ("B", beside)]
     others = beside.parameters if beside else maps.parameters
     context = {
-        "maps": maps, "effort": effort, "beside": beside, "tables": TABLES, "files": (*files.OWN, *files.WRITERS),
-        "contours": [(shown.heading, contours(named, shown)) for shown in SHOWN],
+        "maps": maps, "effort": effort, "beside": beside, "files": (*files.OWN, *files.WRITERS),
+        "contours": [
+            *((shown.heading, contours(named, shown)) for shown in SHOWN),
+            *((shown.heading, contours([("", maps)], shown)) for shown in starmap(_added, maps.added.items())),
+        ],
         "lines": lines(maps),
         # Without the numbers after the first comma.
         "reasons": Counter(reason.split(",")[0] for reason in maps.reasons.values()).most_common(),
