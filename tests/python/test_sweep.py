@@ -2,6 +2,7 @@
 
 import dataclasses
 import gzip
+import itertools
 import json
 import math
 import os
@@ -17,12 +18,15 @@ import reports
 from conftest import MESH
 from distributed import LocalCluster
 
+from pushbelt.errors import PushbeltError
+from pushbelt.fmu.bands import SAMPLES
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, Store, chunks
 from pushbelt.study.run import solve as solve_all
 from pushbelt.study.tasks import Solver
 from pushbelt.sweep import report
+from pushbelt.sweep.design import Design
 from pushbelt.sweep.point import Row, solve
 from pushbelt.sweep.results import METADATA, table, write_parquet
 from pushbelt.sweep.study import AXES, Grid, Study, variator
@@ -203,16 +207,64 @@ def test_states_make_sense_and_the_report_shows_maps_cuts_and_what_failed(study:
     reports.look_at(path)
 
 
-def test_bands_are_columns_and_maps(study: Study) -> None:
+def solved_by(archive: Archive, study: Study) -> dict[int, Row]:
+    solver = Solver(archive, {}, study.measure)
+    found = dict(solver.solve(list(enumerate(study.tasks()))))
+    solver.close()
+    return found
+
+
+def test_bands_are_columns_and_maps(study: Study, archive: Archive, monkeypatch: pytest.MonkeyPatch) -> None:
     grid = Grid((12e3,), (0.09,), (200.0,), (1.0, 1.25), (0.3, 0.5))
     banded = dataclasses.replace(study, grid=grid, deviations={"friction.pulley": 0.01, "belt.play": 1e-4})
-    with Archive.unpack(study.fmu) as archive:
-        rows = dict(Solver(archive, {}, banded.measure).solve(list(enumerate(banded.tasks()))))
+    started, original = [], Instance.initialise
+    monkeypatch.setattr(Instance, "initialise", lambda self: (started.append(self), original(self))[1])
+    rows = solved_by(archive, banded)
+    assert (len(started) - len(grid) * (1 + 2 * len(banded.deviations))) % SAMPLES == 0, "each state once"
     assert all(0.0 < row["slip.sd"] < row["slip"] and row["slip by"].startswith("friction.pulley") for row in rows.values())
     assert banded.identity != study.identity
     found = table(banded, rows)
     assert found.column("thrustRatio.sd").to_pylist() == [row["thrustRatio.sd"] for row in rows.values()]
     assert "Standard deviation of slip (%)" in report.contours(report.data_set(banded.grid, found))
+
+
+def test_gradients_are_columns_and_maps(study: Study, archive: Archive) -> None:
+    """They are differences of points beside: at a ratio, and with a given primary force."""
+    step = {"primary.torque": 0.1, "friction.pulley": 1e-4, "initial.ratio": 1e-4, "secondary.clampingForce": 20.0}
+    middle = {"primary.torque": 50.0, "friction.pulley": 0.09, "initial.ratio": 1.1, "secondary.clampingForce": 12e3}
+    asked = ("torque", "friction.pulley", "ratio", "force")
+    for more, names in (({}, asked), ({"primary.clampingForce": 14e3}, asked[:2])):
+        points = [middle] + [middle | {name: middle[name] + sign * step[name]} for name in step for sign in (1, -1)]
+        design = Design("list", tuple(middle | more), tuple(tuple((one | more).values()) for one in points))
+        parameters = {name: one for name, one in PARAMETERS.items() if name not in design.columns}
+        one = Study(study.fmu, parameters, design, gradient=names)
+        frame = table(one, solved_by(archive, one)).to_pandas()
+        for output, (k, name) in itertools.product(("slip", "loss.total", "ratio.speed"), enumerate(names)):
+            above, below = frame[output][2 * k + 1 : 2 * k + 3]
+            expected = (above - below) / (2.0 * step[list(step)[k]])
+            assert frame[f"d {output}/d {name}"][0] == pytest.approx(expected, rel=0.01, abs=1e-9), (output, name, more)
+        assert frame["d primary.idleArc/d torque"].isna().all()
+    grid = dataclasses.replace(study, grid=Grid((12e3,), (0.09,), (200.0,), (1.0, 1.25), (0.3, 0.5)), gradient=("torque",), hold="forces")
+    found = table(grid, solved_by(archive, grid))
+    assert found.schema.field("d loss.total/d torque").metadata[b"unit"] == b"W/(N.m)" and grid.identity != study.identity
+    charts = report.contours(report.data_set(grid.grid, found))
+    assert "D slip/d torque (1/(N.m))" in charts and max(map(abs, found["d primary.axialForce/d torque"].to_pylist())) < 1e-6
+    # Past the peak of traction.
+    driven = Study(study.fmu, PARAMETERS | {"friction.pulley": 0.09}, Design("list", ("primary.speedSetpoint",), ((300.0,),)), gradient=("torque",))
+    (row,) = solved_by(archive, driven).values()
+    assert row["pastPeak"] and "slip through" in row["remarks"] and table(driven, {0: row})["d slip/d torque"].null_count == 1
+
+
+@pytest.mark.parametrize(
+    ("columns", "given", "why"),
+    [
+        (("utilisation",), {"gradient": ("belt.plya",)}, "belt.plya; similar names: belt.play"), (("utilisation",), {"gradient": ("mesh.strand",)}, "mesh.strand"),
+        (("utilisation",), {"gradient": ("ratio",), "hold": "forces"}, "the ratio follows"), (("primary.pressure",), {"hold": "ratio"}, "primary force"),
+    ],
+)  # fmt: skip
+def test_gradients_that_are_refused(fmu: Path, columns: tuple[str, ...], given: dict, why: str) -> None:
+    with pytest.raises(PushbeltError, match=why):
+        Study(fmu, PARAMETERS, Design("list", columns, ((0.5,),)), **given)
 
 
 def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
