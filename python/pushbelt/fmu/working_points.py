@@ -69,6 +69,9 @@ class Along:
     """Slips at which the traction is measured, divided by the slip at capacity, ascending from −1 to 1."""
     shift_utilisations: Sequence[float]  # Utilisations at which shifts are measured
     excesses: Sequence[float]  # ln(F_P/(κ F_S)) of the shifts, ascending, without 0
+    shafts: Mapping[str, float]  # Drag and bearings of the variator, under which points have what follows
+    deviations: Mapping[str, float]  # Standard deviations of parameters, for those of points
+    asked: Asked  # Derivatives
 
 
 def camel(name: str) -> str:
@@ -79,15 +82,6 @@ def camel(name: str) -> str:
 def slope(name: str, over: str) -> str:
     """Table of a derivative, `slipPerFrictionPulley`."""
     return camel(f"{name}Per.{over}")
-
-
-@dataclass(frozen=True)
-class Beside:
-    """What points have besides: their standard deviations and derivatives, with the drag of the shafts."""
-
-    shafts: Mapping[str, float]  # Drag and bearings of the variator
-    deviations: Mapping[str, float]  # Standard deviations of parameters
-    asked: Asked
 
 
 def driven_at(states: SteadyStates, line: Line, utilisation: float) -> StartValues:
@@ -123,30 +117,29 @@ def drag(parameters: Mapping[str, float], pulley: str, speed: Any, load: Any) ->
     return np.tanh(speed / FADING_SPEED) * loaded + parameters[f"{pulley}.drag.viscous"] * speed
 
 
-def around(states: SteadyStates, line: Line, torque: float, found: Mapping[str, float], beside: Beside) -> dict[str, Any]:
+def around(states: SteadyStates, line: Line, torque: float, found: Mapping[str, float], along: Along) -> dict[str, Any]:
     """Standard deviations of a point, the parameters that make most of them, and derivatives: those that it has, by table."""
-    torque += drag(beside.shafts, "primary", line.speed / (1.0 - found["slip"]), found["bearingLoad"])
-    values = driven_by_torque(beside.shafts, line.ratio, line.speed, torque, line.force)
+    torque += drag(along.shafts, "primary", line.speed / (1.0 - found["slip"]), found["bearingLoad"])
+    values = driven_by_torque(along.shafts, line.ratio, line.speed, torque, line.force)
     known, row = {**states.parameters, **values}, dict[str, Any]()
     with suppress(UnitError):
         unit = states.at(values, True)
         outputs, near = unit.outputs(), unit.state()
         with suppress(UnitError):
-            slopes = beside.asked.of(unit, partial(rates, values))
+            slopes = along.asked.of(unit, partial(rates, values))
             # The torque loss is T_P + T_S/i.
             of_loss = slopes["primary.externalTorque"] + slopes["secondary.externalTorque"] / line.ratio
             slopes["torqueLoss"] = of_loss - outputs["secondary.externalTorque"] / line.ratio**2 * slopes["ratio.geometric"]
-            row |= {slope(name, over): float(slopes[name][k]) for k, over in enumerate(beside.asked.names) for name in SHOWN}
-        if beside.deviations:
-            spread = bands(states, outputs, near, lambda changes: values | increased(unit.variables, known, changes), beside.deviations)
+            row |= {slope(name, over): float(slopes[name][k]) for k, over in enumerate(along.asked.names) for name in SHOWN}
+        if along.deviations:
+            spread = bands(states, outputs, near, lambda changes: values | increased(unit.variables, known, changes), along.deviations)
             row |= {f"{name}Deviation": spread[output] / (1.0 if name == output else line.ratio) for name, output in SHOWN.items()}
-            row |= {f"{name} by": ", ".join(spread.largest(output)) for name, output in SHOWN.items()}
+            row["by"] = {name: ", ".join(spread.largest(output)) for name, output in SHOWN.items()}
     return row
 
 
-def measure(states: SteadyStates, line: Line, along: Along, beside: Beside | None = None) -> dict[str, Any]:
-    """All results on a line: plain lists of numbers, None where there is no steady state, and reasons."""
-    reasons: dict[str, str] = {}
+def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
+    """All results on a line: points, with a reason where there is no steady state, and plain lists of numbers."""
     at = states.sequence()
     capacity = torque_capacity(states.parameters, line.ratio, line.force)
 
@@ -155,15 +148,14 @@ def measure(states: SteadyStates, line: Line, along: Along, beside: Beside | Non
         return -unit.get("primary.shaftTorque") / capacity
 
     (low, least), (high, most) = (limit(traction, sign) for sign in (-1.0, 1.0))
-    points: list[dict[str, float] | None] = []
-    for utilisation in along.utilisations:
+
+    def solved(utilisation: float) -> dict[str, Any]:
         try:
             if not TRIED * least < utilisation < TRIED * most:
                 raise UnitError(f"beyond the capacity, a utilisation of {(most if utilisation > 0.0 else least):.3f}")
-            points.append(point(at(driven_at(states, line, utilisation)), line.ratio))
+            return point(at(driven_at(states, line, utilisation)), line.ratio)
         except UnitError as error:
-            points.append(None)
-            reasons[f"{utilisation:g}"] = str(error)
+            return {"reason": str(error)}
 
     def shifts(utilisation: float) -> list[float] | list[None]:
         try:
@@ -172,15 +164,15 @@ def measure(states: SteadyStates, line: Line, along: Along, beside: Beside | Non
             return [None] * len(along.excesses)
 
     known = {-1.0: least, 1.0: most}
+    points = [solved(utilisation) for utilisation in along.utilisations]
     found = {
-        "points": {name: [None if found is None else found[name] for found in points] for name in POINT_COLUMNS},
-        "capacity": [least, most], "capacitySlip": [low, high], "reasons": reasons,
+        "points": points, "capacity": [least, most], "capacitySlip": [low, high],
         "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low) for s in along.shares],
         "shiftRate": [shifts(utilisation) for utilisation in along.shift_utilisations],
     }  # fmt: skip
-    if beside:
-        places = zip(along.utilisations, points, strict=True)
-        found["beside"] = [one and around(states, line, utilisation * capacity, one, beside) for utilisation, one in places]
+    for utilisation, one in zip(along.utilisations, points, strict=True):
+        if "reason" not in one and (along.deviations or along.asked.names):
+            one.update(around(states, line, utilisation * capacity, one, along))
     return found
 
 

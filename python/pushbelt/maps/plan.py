@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property, partial
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.gradients import Asked, quotient, units_of
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.steady import SteadyStates
-from pushbelt.fmu.working_points import POINT_COLUMNS, SHAFTS, SHOWN, Along, Beside, Line, camel, drag, slope
+from pushbelt.fmu.working_points import POINT_COLUMNS, SHAFTS, SHOWN, Along, Line, camel, drag, slope
 from pushbelt.study.tasks import Row, Tasks, ascending, spread
 
 from .data import AXES, POINT, STATES, TABLES, Maps, Quantity
@@ -111,9 +111,10 @@ class Plan(Tasks):
     @property
     def measure(self) -> Callable[[SteadyStates, Line], Row]:
         excesses = tuple(excess for excess in self.grid.excess if excess != 0.0)
-        along = Along(self.grid.utilisation, self.grid.slip_share, self.grid.shift_utilisation, excesses)
-        beside = Beside({name: one for name, one in self.full.items() if ".drag." in name or ".bearing." in name}, self.deviations, self.asked)
-        return partial(working_points.measure, along=along, beside=beside if self.deviations or self.asked.names else None)
+        shafts = {name: one for name, one in self.full.items() if ".drag." in name or ".bearing." in name}
+        grid = self.grid
+        along = Along(grid.utilisation, grid.slip_share, grid.shift_utilisation, excesses, shafts, self.deviations, self.asked)
+        return partial(working_points.measure, along=along)
 
     @property
     def common(self) -> Mapping[str, float]:  # type: ignore[override]
@@ -153,65 +154,47 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     values = (grid.force, grid.speed, plan.ratios, grid.utilisation, (-1.0, 1.0), grid.slip_share, grid.shift_utilisation, grid.excess)
     axes = dict(zip(AXES, map(np.array, values), strict=True))
     route = tuple(len(axes[name]) for name in POINT[:3])
-    sources = [index if index in found else _nearest(index, found, route) for index in range(len(plan.tasks()))]
+    places, lines = np.array(list(np.ndindex(route))), []
+    for index in range(len(places)):
+        row = rows.get(index, {})
+        if "points" not in row:
+            # By indices of the axes; a step along the ratio counts least.
+            near = found[min(found, key=lambda other: float(np.abs(places[other] - places[index]) @ (3.0, 2.0, 1.0)))]
+            row = {**near, "points": [{**one, "reason": row.get("reason", "not solved")} for one in near["points"]]}
+        lines.append(row)
+    points = list(itertools.chain.from_iterable(line["points"] for line in lines))
+    state, reasons, by = np.zeros((*route, len(grid.utilisation))), dict[str, str](), defaultdict[str, dict[str, str]](dict)
+    for place, one in zip(np.ndindex(state.shape), points, strict=True):
+        key, why = "/".join(map(str, place)), one.get("reason")
+        if why is None:
+            state[place] = one["pastPeak"]
+            for name, text in one.get("by", {}).items():
+                by[name][key] = text
+        else:
+            state[place] = STATES.index("beyond_capacity" if why.startswith("beyond the capacity") else "not_found")
+            reasons[key] = why
 
-    def gathered(get: Callable[[Mapping[str, Any]], Any]) -> Array:
-        values = np.array([get(found[source]) for source in sources], dtype=float)
+    def over_points(name: str) -> Array:
+        return np.array([one.get(name) for one in points], dtype=float).reshape(state.shape)
+
+    def over_lines(name: str) -> Array:
+        values = np.array([line[name] for line in lines], dtype=float)
         return values.reshape(*route, *values.shape[1:])
 
-    raw = {name: gathered(lambda row, name=name: row["points"][name]) for name in POINT_COLUMNS}  # type: ignore[misc]
-    state, reasons = _states(plan, rows, raw["pastPeak"], axes["utilisation"])
-    tables = {name: filled(raw[column]) for name, column in COLUMNS.items()}
+    tables = {name: filled(over_points(column)) for name, column in COLUMNS.items()}
     tables["state"], tables["valid"] = state, (state <= STATES.index("slips_through")).astype(float)
-    tables |= {name: gathered(itemgetter(name)) for name in ("capacity", "capacitySlip", "traction", "shiftRate")}
+    tables |= {name: over_lines(name) for name in ("capacity", "capacitySlip", "traction", "shiftRate")}
     tables["shiftRate"] = monotone(tables["shiftRate"], axes["excess"])
     # The slope over the two intervals about excess 0; over one at the border of the axis.
     zero = int(np.flatnonzero(axes["excess"] == 0.0)[0])
     ends = [max(zero - 1, 0), min(zero + 1, len(axes["excess"]) - 1)]
     tables["shiftGain"] = np.diff(tables["shiftRate"][..., ends])[..., 0] / (np.diff(axes["excess"][ends])[0] or 1.0)
     tables |= with_shafts(plan.full, axes, tables)
-    for name in plan.added:
-        found_there = gathered(lambda row, name=name: [(one or {}).get(name) for one in row["beside"]])  # type: ignore[misc]
-        tables[name] = np.where(tables["valid"] > 0.0, found_there, np.nan)
-    by = {name: _texts(plan, rows, f"{name} by") for name in SHOWN} if plan.deviations else {}
+    tables |= {name: np.where(tables["valid"] > 0.0, over_points(name), np.nan) for name in plan.added}
     description = plan.description
     source = {"model": description.modelName, "version": description.version or "", "guid": description.guid}
     assert tables.keys() == TABLES.keys() | plan.added.keys()
     return Maps(axes, tables, {name: float(value) for name, value in plan.full.items()}, source, reasons, by, plan.added)
-
-
-def _nearest(index: int, found: Iterable[int], shape: tuple[int, ...]) -> int:
-    """The nearest line with results, by indices of the axes; a step along the ratio counts least."""
-    weights = np.array([3.0, 2.0, 1.0])
-    place = np.array(np.unravel_index(index, shape))
-    return min(found, key=lambda other: float(weights @ np.abs(np.array(np.unravel_index(other, shape)) - place)))
-
-
-def _states(plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: Array) -> tuple[Array, dict[str, str]]:
-    """The table `state`, and the reasons for missing steady states."""
-    state, reasons = np.where(slipping > 0.0, 1.0, 0.0), {}
-    for index in range(len(plan.tasks())):
-        place: tuple[Any, ...] = np.unravel_index(index, state.shape[:3])
-        row = rows.get(index, {})
-        for k, utilisation in enumerate(utilisations):
-            why = row["reasons"].get(f"{utilisation:g}") if "points" in row else row.get("reason", "not solved")
-            if why is not None:
-                beyond = why.startswith("beyond the capacity")
-                state[(*place, k)] = STATES.index("beyond_capacity" if beyond else "not_found")
-                reasons["/".join(map(str, (*place, k)))] = why
-    return state, reasons
-
-
-def _texts(plan: Plan, rows: Mapping[int, Row], name: str) -> dict[str, str]:
-    """Texts of points by their place."""
-    route = len(plan.grid.force), len(plan.grid.speed), len(plan.ratios)
-    lines = {index: enumerate(row["beside"]) for index, row in rows.items() if "points" in row}
-    return {
-        "/".join(map(str, (*np.unravel_index(index, route), k))): one[name]
-        for index, line in lines.items()
-        for k, one in line
-        if one and name in one
-    }
 
 
 def filled(values: Array) -> Array:

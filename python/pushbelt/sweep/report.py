@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -31,16 +32,21 @@ FEW = 12  # Largest number of failed points that are listed individually
 SHOWN = (
     *QUANTITIES, Quantity("losses", "loss.total", unit="W"), Quantity("largest stress of the ring", "ring.stressMax", 1e-6, "MPa"),
 )  # fmt: skip
+LISTED = 16  # Largest number of values of a column of points that are listed
 LENGTHS = {"m": (1e3, "mm"), "rad": (1e3, "mrad")}  # Scale and unit of lengths and angles
 LARGE = 1e5  # Stiffnesses in N and other values above this are shown in SI units
 MOST_COLUMNS = 12  # Largest number of columns with figures: those of the largest correlations
 
 
+def _numbers(table: pa.Table) -> pandas.DataFrame:
+    names = [field.name for field in table.schema if not pa.types.is_string(field.type)]
+    return table.select(names).to_pandas().astype(float).set_index("point")
+
+
 def data_set(grid: Points, table: pa.Table) -> xarray.Dataset:
     """The numbers of the results over the axes of a grid, or over the points of a design, NaN where there is no steady state, and
     the mask `steady`."""
-    names = [field.name for field in table.schema if not pa.types.is_string(field.type)]
-    numbers = table.select(names).to_pandas().astype(float).set_index("point")
+    numbers = _numbers(table)
     if isinstance(grid, Grid):
         axes = {name: getattr(grid, name) for name in AXES}
         numbers = numbers.drop(columns=axes.keys() & numbers.keys())
@@ -171,39 +177,29 @@ def cuts(results: xarray.Dataset) -> Chart:
 
 def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
     """Writes the report and returns its path."""
-    path = folder / "report.html"
-    results = data_set(study.grid, table)
-    context = _common(study, table, effort) | {"checks": evaluate(results) if results.steady.any() else []}
-    if isinstance(study.grid, Design):
-        write_html("sweep/design.html.j2", context | _of_design(study, table), path)
-    else:
-        write_html("sweep/sweep.html.j2", context | _of_grid(study, results), path)
+    results, numbers, names = data_set(study.grid, table), _numbers(table), list(study.grid.columns)
+    reasons = Counter(filter(None, table["reason"].to_pylist()))
+    about = {field.name: {key.decode(): text.decode() for key, text in field.metadata.items()} for field in schema(study)}
+    ranges = {quantity: quantity.scale * numbers[quantity.column].dropna() for quantity in SHOWN}
+    context = {
+        "design": None, "cut": None,
+        "version": study.description.version or "", "identity": study.identity, "points": len(table), "effort": effort,
+        "reasons": reasons.most_common(), "failed_count": reasons.total(), "metadata_key": METADATA.decode(), "columns": about.items(),
+        "parameters": [(name, _shown(study.variables[name], value), study.variables[name].unit or "1") for name, value in study.parameters.items()],
+        "quantities": [(quantity, (values.min(), values.max())) for quantity, values in ranges.items()],
+        "slipping": int((numbers.pastPeak == 1.0).sum()), "checks": evaluate(results) if results.steady.any() else [],
+        "failed": [(int(one.name), one.tolist()) for _, one in numbers[numbers.thrustRatio.isna()][names].head(FEW).iterrows()],
+        "columns_of_points": [(name, about[name]["unit"], _values(numbers[name])) for name in names],
+    }  # fmt: skip
+    own = _of_design(study.grid, numbers, about) if isinstance(study.grid, Design) else _of_grid(results)
+    write_html("sweep/sweep.html.j2", context | own, path := folder / "report.html")
     return path
 
 
-def _common(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
-    reasons = Counter(filter(None, table["reason"].to_pylist()))
-    return {
-        "version": study.description.version or "", "identity": study.identity, "points": len(table), "effort": effort,
-        "reasons": reasons.most_common(), "failed_count": reasons.total(), "metadata_key": METADATA.decode(),
-        "columns": [(field.name, {key.decode(): text.decode() for key, text in field.metadata.items()}) for field in schema(study)],
-        "parameters": [
-            (name, _shown(study.variables[name], value), study.variables[name].unit or "1") for name, value in study.parameters.items()
-        ],
-    }  # fmt: skip
-
-
-def _of_grid(study: Study, results: xarray.Dataset) -> dict[str, Any]:
-    grid, steady = study.grid, results.steady
-    middle = results.isel(force=results.sizes["force"] // 2).sel(friction=0.09, speed=209.44, method="nearest")
-    return {
-        "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
-        "steady": {name: results[name].values[steady.values] for name in ("thrustRatio", "efficiency", "slip", "pastPeak")},
-        "failed": names_of(results, ~steady)[:FEW],
-        "cut": {"picture": cuts(middle), "rpm": RPM * float(middle.speed)}
-        | {name: float(middle[name]) for name in ("friction", "force")},
-        "maps": contours(results),
-    }
+def _values(column: pandas.Series) -> str:
+    """All values of a column of points, or the least and the greatest."""
+    found = sorted(column.unique())
+    return ", ".join(f"{value:g}" for value in found) if len(found) <= LISTED else f"{found[0]:.5g} – {found[-1]:.5g}"
 
 
 def _shown(variable: Any, value: float) -> str:
@@ -213,30 +209,21 @@ def _shown(variable: Any, value: float) -> str:
     return f"{value:g}"
 
 
-def _of_design(study: Study, table: pa.Table) -> dict[str, Any]:
-    names = list(study.grid.columns)
-    rows = table.to_pandas()
-    numbers = rows.drop(columns=["remarks", "reason"]).astype(float)
-    columns = [quantity.column for quantity in SHOWN]
+def _of_grid(results: xarray.Dataset) -> dict[str, Any]:
+    middle = results.isel(force=results.sizes["force"] // 2).sel(friction=0.09, speed=209.44, method="nearest")
+    about = {name: float(middle[name]) for name in ("friction", "force")}
+    return {"cut": {"picture": cuts(middle), "rpm": RPM * float(middle.speed), **about}, "charts": contours(results).items()}
+
+
+def _of_design(design: Design, numbers: pandas.DataFrame, about: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
+    names, columns = list(design.columns), [quantity.column for quantity in SHOWN]
     # By rank: 1 where a quantity rises with a column at all points, NaN where either is constant.
     correlations = numbers[[*names, *columns]].corr("spearman", min_periods=3).loc[names, columns]
     strongest = correlations.abs().max(axis=1).fillna(0.0).sort_values(ascending=False, kind="stable").index
-    failed = rows[rows.reason.notna()]
-    units = {field.name: field.metadata[b"unit"].decode() for field in schema(study)}
     return {
-        "design": study.grid,
-        "failed": [
-            {"point": one.point, "values": one[names].tolist(), "reason": one.reason} for _, one in failed.head(FEW).iterrows()
-        ],
-        "quantities": [(quantity, _range(quantity.scale * numbers[quantity.column])) for quantity in SHOWN],
-        "ranges": [(name, units[name], _range(numbers[name])) for name in names],
-        "correlations": [(name, correlations.loc[name].tolist()) for name in strongest],
-        "charts": [(name, _scatter(numbers, name, units[name])) for name in strongest[:MOST_COLUMNS]],
-    }
-
-
-def _range(values: pandas.Series) -> tuple[float, float] | None:
-    return (values.min(), values.max()) if values.notna().any() else None
+        "design": design, "correlations": [(name, correlations.loc[name].tolist()) for name in strongest],
+        "charts": [(name, _scatter(numbers, name, about[name]["unit"])) for name in strongest[:MOST_COLUMNS]],
+    }  # fmt: skip
 
 
 def _scatter(numbers: pandas.DataFrame, name: str, unit: str) -> Chart:
