@@ -20,6 +20,7 @@ from distributed import LocalCluster
 
 from pushbelt.errors import PushbeltError
 from pushbelt.fmu.bands import SAMPLES
+from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, Store, chunks
@@ -237,34 +238,34 @@ def test_gradients_are_columns_and_maps(study: Study, archive: Archive) -> None:
         points = [middle] + [middle | {name: middle[name] + sign * step[name]} for name in step for sign in (1, -1)]
         design = Design("list", tuple(middle | more), tuple(tuple((one | more).values()) for one in points))
         parameters = {name: one for name, one in PARAMETERS.items() if name not in design.columns}
-        one = Study(study.fmu, parameters, design, gradient=names)
+        one = Study(study.fmu, parameters, design, asked=Asked(names))
         frame = table(one, solved_by(archive, one)).to_pandas()
         for output, (k, name) in itertools.product(("slip", "loss.total", "ratio.speed"), enumerate(names)):
             above, below = frame[output][2 * k + 1 : 2 * k + 3]
             expected = (above - below) / (2.0 * step[list(step)[k]])
             assert frame[f"d {output}/d {name}"][0] == pytest.approx(expected, rel=0.01, abs=1e-9), (output, name, more)
         assert frame["d primary.idleArc/d torque"].isna().all()
-    grid = dataclasses.replace(study, grid=Grid((12e3,), (0.09,), (200.0,), (1.0, 1.25), (0.3, 0.5)), gradient=("torque",), hold="forces")
+    grid = dataclasses.replace(study, grid=Grid((12e3,), (0.09,), (200.0,), (1.0, 1.25), (0.3, 0.5)), asked=Asked(("torque",), "forces"))
     found = table(grid, solved_by(archive, grid))
     assert found.schema.field("d loss.total/d torque").metadata[b"unit"] == b"W/(N.m)" and grid.identity != study.identity
     charts = report.contours(report.data_set(grid.grid, found))
     assert "D slip/d torque (1/(N.m))" in charts and max(map(abs, found["d primary.axialForce/d torque"].to_pylist())) < 1e-6
     # Past the peak of traction.
-    driven = Study(study.fmu, PARAMETERS | {"friction.pulley": 0.09}, Design("list", ("primary.speedSetpoint",), ((300.0,),)), gradient=("torque",))
+    driven = Study(study.fmu, PARAMETERS | {"friction.pulley": 0.09}, Design("list", ("primary.speedSetpoint",), ((300.0,),)), asked=Asked(("torque",)))
     (row,) = solved_by(archive, driven).values()
     assert row["pastPeak"] and "slip through" in row["remarks"] and table(driven, {0: row})["d slip/d torque"].null_count == 1
 
 
 @pytest.mark.parametrize(
-    ("columns", "given", "why"),
+    ("column", "name", "hold", "why"),
     [
-        (("utilisation",), {"gradient": ("belt.plya",)}, "belt.plya; similar names: belt.play"), (("utilisation",), {"gradient": ("mesh.strand",)}, "mesh.strand"),
-        (("utilisation",), {"gradient": ("ratio",), "hold": "forces"}, "the ratio follows"), (("primary.pressure",), {"hold": "ratio"}, "primary force"),
+        ("utilisation", "belt.plya", None, "belt.plya; similar names: belt.play"), ("utilisation", "mesh.strand", None, "mesh.strand"),
+        ("utilisation", "ratio", "forces", "the ratio follows"), ("primary.pressure", "torque", "ratio", "hold = 'ratio' is not one of forces"),
     ],
 )  # fmt: skip
-def test_gradients_that_are_refused(fmu: Path, columns: tuple[str, ...], given: dict, why: str) -> None:
+def test_gradients_that_are_refused(fmu: Path, column: str, name: str, hold: str | None, why: str) -> None:
     with pytest.raises(PushbeltError, match=why):
-        Study(fmu, PARAMETERS, Design("list", columns, ((0.5,),)), **given)
+        Study(fmu, PARAMETERS, Design("list", (column,), ((0.5,),)), asked=Asked((name,), hold))
 
 
 def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: dict[int, Row]) -> None:

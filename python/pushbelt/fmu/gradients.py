@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,30 +24,31 @@ class Asked(NamedTuple):
     """Conditions, parameters and inputs over which derivatives are taken, and what the changed states keep."""
 
     names: tuple[str, ...] = ()
-    hold: str = "ratio"
+    hold: str | None = None
 
-    def checked(self, variables: Mapping[str, Any]) -> Asked:
-        """Raises UnknownNameError or ArgumentError for what has no derivative."""
-        if self.hold not in HELD:
-            raise ArgumentError(refused("hold", self.hold, f"one of {', '.join(HELD)}"))
-        if self.hold != "ratio" and "ratio" in self.names:
-            raise ArgumentError(f"with hold = {self.hold!r} the ratio follows: it is no variable")
+    def checked(self, variables: Mapping[str, Any], held: Collection[str] = HELD) -> Asked:
+        """With the first of `held`, if none is chosen. Raises UnknownNameError or ArgumentError for what has no derivative."""
+        hold = self.hold or next(iter(held))
+        if hold not in held:
+            raise ArgumentError(refused("hold", hold, f"one of {', '.join(held)} at these points"))
+        if hold != "ratio" and "ratio" in self.names:
+            raise ArgumentError(f"with hold = {hold!r} the ratio follows: it is no variable")
         real = {name for name, one in variables.items() if one.type == "Real" and one.causality in ("parameter", "input")}
         for name in self.names:
             item(CONDITIONS | dict.fromkeys(real), name, "FMU", "real parameter or input")
-        return self
+        return Asked(self.names, hold)
 
     def of(self, unit: Instance, rates: Callable[[str], Rates]) -> dict[str, Array]:
         """Derivatives of each real output, one for each name, NaN where there is none. Raises UnitError if the state has no gradient."""
-        columns = [rates(name) for name in (*self.names, *(("ratio",) if self.hold != "ratio" else ()))]
+        columns = [rates(name) for name in (*self.names, *(("ratio",) if HELD[self.hold or "ratio"] else ()))]
         variables = list({of: None for column in columns for of in column})
         found = unit.gradient(variables)
         outputs = [one["name"] for one in found["outputs"]]
         by_variable = np.array([[column.get(of, 0.0) for of in variables] for column in columns]).reshape(len(columns), len(variables))
         slopes = np.array(found["gradient"], dtype=float).reshape(len(outputs), len(variables)) @ by_variable.T
-        if self.hold != "ratio" and found["held"] == "ratio":
+        if len(columns) > len(self.names) and found["held"] == "ratio":
             # The ratio follows: dy = ∂y/∂p dp + ∂y/∂i di, where di keeps what is held.
-            row = slopes[outputs.index(HELD[self.hold])]
+            row = slopes[outputs.index(HELD[self.hold or "ratio"])]
             slopes = slopes - np.outer(slopes[:, -1], row / row[-1])
         return dict(zip(outputs, slopes[:, : len(self.names)], strict=True))
 

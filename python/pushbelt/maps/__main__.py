@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int | console.Done:
     grid = replace(SHORT if options.short else COARSE, **given)
     parameters = variator(options.variator, options.ring, dict(options.set))
     deviations = known_deviations(options.variator) if options.bands else {}
-    plan = Plan(options.fmu, parameters, grid, deviations, Asked(options.gradient, options.hold or "ratio"))
+    plan = Plan(options.fmu, parameters, grid, deviations, Asked(options.gradient, options.hold))
     beside = Maps.read(options.beside) if options.beside else None
     # Imported here, so that the help needs no packages of the extras, and processes of a local cluster none of the report.
     from pushbelt.study.run import from_command_line

@@ -89,7 +89,7 @@ class Plan(Tasks):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parameters", checked(self.variables, self.parameters, {"parameter"}))
-        self.asked.checked(self.variables)
+        object.__setattr__(self, "asked", self.asked.checked(self.variables))
 
     @cached_property
     def full(self) -> dict[str, float]:

@@ -17,6 +17,7 @@ from pushbelt import console
 from pushbelt.cli.options import add_reading, add_sensitivities, add_short, add_study, numbers, program, reading
 from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.bands import known_deviations
+from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.unit import belt_described
 
 from .design import AXIS_OF, Design, DesignError, Varied, crossed, listed, varied
@@ -89,7 +90,7 @@ def _study(options: argparse.Namespace) -> Study:
         grid = replace(MEASURED if options.measure else SHORT if options.short else DEFAULT, **axes)
     deviations = known_deviations(options.variator) if options.bands else {}
     parameters = variator(options.variator, options.ring, dict(options.set), grid.columns)
-    return Study(options.fmu, parameters, grid, deviations, options.gradient, options.hold)
+    return Study(options.fmu, parameters, grid, deviations, Asked(options.gradient, options.hold))
 
 
 def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> console.Done:

@@ -88,8 +88,7 @@ class Study(Tasks):
 
     grid: Grid | Design = DEFAULT
     deviations: Mapping[str, float] = field(default_factory=dict)  # Standard deviations of parameters, for bands
-    gradient: tuple[str, ...] = ()  # Conditions, parameters and inputs over which derivatives are taken
-    hold: str | None = None  # What these keep (`gradients.HELD`); by default the ratio, or given forces
+    asked: Asked = gradients.NOTHING  # Derivatives; points with a primary force keep the forces
 
     def __post_init__(self) -> None:
         parameters = checked(self.variables, self.parameters, {"parameter"})
@@ -98,15 +97,8 @@ class Study(Tasks):
         if taken := parameters.keys() & {*self.grid.columns, *fixed}:
             raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
-        assert self.asked
-
-    @cached_property
-    def asked(self) -> Asked:
-        """Raises UnknownNameError or ArgumentError for a gradient that no point has."""
         given = any("initial.equilibrium" in point.ACTING.get(name, ()) for name in self.grid.columns)
-        if given and self.hold not in (None, "forces"):
-            raise ArgumentError(f"hold = {self.hold!r}: the points have a primary force, so changed states keep the forces")
-        return Asked(tuple(self.gradient), self.hold or ("forces" if given else "ratio")).checked(self.variables)
+        object.__setattr__(self, "asked", self.asked.checked(self.variables, ["forces"] if given else gradients.HELD))
 
     procedure = (point, steady, closing, bands, gradients)
 
@@ -115,7 +107,7 @@ class Study(Tasks):
         return partial(point.solve, deviations=self.deviations, asked=self.asked)
 
     def document(self) -> dict[str, Any]:
-        more = {"deviations": dict(self.deviations), "gradient": self.gradient and self.asked}
+        more = {"deviations": dict(self.deviations), "gradient": self.asked.names and self.asked}
         return {"parameters": dict(self.parameters), "grid": asdict(self.grid), **{name: one for name, one in more.items() if one}}
 
     def tasks(self) -> list[dict[str, float]]:
