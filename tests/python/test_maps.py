@@ -16,20 +16,21 @@ import xarray
 from conftest import MESH
 from pushbelt_validation.bench import Bench
 from scipy.io import loadmat, whosmat
+from test_sweep import solved_by
 
 from pushbelt import Variator
 from pushbelt.fmu.data import pitch_radius, torque_capacity
 from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance
-from pushbelt.fmu.working_points import SHAFTS, Line, drag
+from pushbelt.fmu.working_points import SHAFTS, drag
 from pushbelt.maps import __main__, files, report
 from pushbelt.maps import unit as map_unit
 from pushbelt.maps.data import STATES, TABLES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, collect, monotone, stops
 from pushbelt.report.side_by_side import Call
 from pushbelt.study import run
-from pushbelt.study.tasks import Solver, variator
+from pushbelt.study.tasks import variator
 
 PARAMETERS = variator("bench168", changes=MESH)
 LOSSES = [name for name in TABLES if name.startswith("loss") and name != "lossShafts"]  # Of the belt
@@ -87,15 +88,9 @@ def test_grid_refuses(values: dict) -> None:
 
 def test_lines_do_not_depend_on_the_inertia_of_a_vehicle(archive: Archive, plan: Plan) -> None:
     """A vehicle may be part of `secondary.inertia`."""
-    short = dataclasses.replace(plan.grid, utilisation=(0.3,), slip_share=(-1.0, 0.0, 1.0), shift_utilisation=(0.3,), excess=(-0.25, 0.0, 0.25))
-    found = []
-    for inertia in (0.03, 80.0):
-        heavy = dataclasses.replace(plan, parameters={**PARAMETERS, "secondary.inertia": inertia}, grid=short)
-        solver = Solver(archive, heavy.common, heavy.measure)
-        ((_, row),) = solver.solve([(0, Line(12e3, 100.0, 1.0))])
-        solver.close()
-        del row["time"]
-        found.append(row)
+    short = Grid((12e3,), (100.0,), (1.0,), utilisation=(0.3,), slip_share=(-1.0, 0.0, 1.0), shift_utilisation=(0.3,), excess=(-0.25, 0.0, 0.25))
+    heavy = [dataclasses.replace(plan, parameters={**PARAMETERS, "secondary.inertia": inertia}, grid=short) for inertia in (0.03, 80.0)]
+    found = [{**solved_by(archive, one)[0], "time": 0.0} for one in heavy]
     assert found[0] == found[1]
     ((down, up),) = found[0]["shiftRate"]
     assert down < 0.0 < up
@@ -196,10 +191,7 @@ def banded(archive: Archive, fmu: Path) -> Maps:
     """Maps with standard deviations and derivatives; a utilisation of 1.1 is beyond what the belt carries."""
     grid = Grid((6e3,), (100.0,), (0.8, 1.2), utilisation=(-0.3, 0.3, 1.1), slip_share=(-1.0, 0.0, 1.0), excess=(0.0,))
     plan = Plan(fmu, PARAMETERS, grid, {"friction.pulley": 1e-3, "primary.drag.constant": 0.06}, Asked(("torque", "ratio", "belt.play")))
-    solver = Solver(archive, plan.common, plan.measure)
-    rows = dict(solver.solve(list(enumerate(plan.tasks()))))
-    solver.close()
-    return collect(plan, rows)
+    return collect(plan, solved_by(archive, plan))
 
 
 def test_deviations_and_derivatives_are_those_of_the_variator(banded: Maps, fmu: Path) -> None:

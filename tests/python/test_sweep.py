@@ -8,6 +8,7 @@ import math
 import os
 import shutil
 import signal
+from contextlib import closing
 from pathlib import Path
 
 import dask
@@ -25,7 +26,7 @@ from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, Store, chunks
 from pushbelt.study.run import solve as solve_all
-from pushbelt.study.tasks import Solver
+from pushbelt.study.tasks import Solver, Tasks
 from pushbelt.sweep import report
 from pushbelt.sweep.design import Design
 from pushbelt.sweep.point import Row, solve
@@ -171,10 +172,8 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str | None) -
 @pytest.fixture(scope="module")
 def solved(study: Study, archive: Archive) -> dict[int, Row]:
     """The whole study, solved by one instance, last point first."""
-    solver = Solver(archive, {}, solve)
-    found = {number: row for chunk in chunks(study, set(), 8)[::-1] for number, row in solver.solve(chunk)}
-    solver.close()
-    return found
+    with closing(Solver(archive, {}, solve)) as solver:
+        return {number: row for chunk in chunks(study, set(), 8)[::-1] for number, row in solver.solve(chunk)}
 
 
 def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
@@ -208,11 +207,9 @@ def test_states_make_sense_and_the_report_shows_maps_cuts_and_what_failed(study:
     reports.look_at(path)
 
 
-def solved_by(archive: Archive, study: Study) -> dict[int, Row]:
-    solver = Solver(archive, {}, study.measure)
-    found = dict(solver.solve(list(enumerate(study.tasks()))))
-    solver.close()
-    return found
+def solved_by(archive: Archive, tasks: Tasks) -> dict[int, Row]:
+    with closing(Solver(archive, tasks.common, tasks.measure)) as solver:
+        return dict(solver.solve(list(enumerate(tasks.tasks()))))
 
 
 def test_bands_are_columns_and_maps(study: Study, archive: Archive, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -269,10 +266,10 @@ def test_gradients_that_are_refused(fmu: Path, column: str, name: str, hold: str
 
 
 def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
-    solver, values = Solver(archive, {}, solve), [study.start_values(point) for point in study.grid.points()]
+    values = study.tasks()
     refused = {**values[1], "belt.play": -1.0}
-    found = solver.solve([(0, values[0]), (1, refused), (100, {**values[1], "belt.colour": 1.0}), (2, values[2])])
-    solver.close()
+    with closing(Solver(archive, {}, solve)) as solver:
+        found = solver.solve([(0, values[0]), (1, refused), (100, {**values[1], "belt.colour": 1.0}), (2, values[2])])
     assert "belt.play" in found[1][1]["reason"]
     assert "belt.colour" in found[2][1]["reason"]
     for number, row in (found[0], found[3]):

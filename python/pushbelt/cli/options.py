@@ -92,7 +92,7 @@ def add_study(parser: argparse.ArgumentParser) -> None:
 
 def add_sensitivities(parser: argparse.ArgumentParser) -> None:
     """Options of studies: standard deviations and derivatives at each point."""
-    text = "add standard deviations of outputs by those known of the parameter set; a point then takes about thirty times as long"
+    text = "add standard deviations of outputs by those known of the parameter set; a sweep then takes about thirty times as long, maps fifteen times"
     parser.add_argument("--bands", action="store_true", help=text)
     text = "add derivatives of outputs over real parameters and inputs, and over ratio, torque, speed and force"
     parser.add_argument("--gradient", type=names, default=(), metavar="NAME,…", help=text)

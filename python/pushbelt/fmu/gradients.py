@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+import itertools
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,6 +39,12 @@ class Asked(NamedTuple):
             item(CONDITIONS | dict.fromkeys(real), name, "FMU", "real parameter or input")
         return Asked(self.names, hold)
 
+    def columns(self, outputs: Mapping[str, str], variables: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
+        """Output, what it is derived over, unit and description of each derivative, by outputs with their units."""
+        units = units_of(variables)
+        for over, (output, unit) in itertools.product(self.names, outputs.items()):
+            yield output, over, _quotient(unit, units[over]), f"Derivative of {output} over {over}, the {self.hold} kept"
+
     def of(self, unit: Instance, rates: Callable[[str], Rates]) -> dict[str, Array]:
         """Derivatives of each real output, one for each name, NaN where there is none. Raises UnitError if the state has no gradient."""
         columns = [rates(name) for name in (*self.names, *(("ratio",) if HELD[self.hold or "ratio"] else ()))]
@@ -70,8 +77,7 @@ def units_of(variables: Mapping[str, Any]) -> dict[str, str]:
     return {name: one.unit or "1" for name, one in variables.items()} | CONDITIONS
 
 
-def quotient(above: str, below: str) -> str:
-    """Unit of a derivative."""
-    if above == below or below == "1":
-        return "1" if above == below else above
+def _quotient(above: str, below: str) -> str:
+    if below in (above, "1"):
+        return "1" if below == above else above
     return f"{above}/({below})" if {*"./"} & {*below} else f"{above}/{below}"

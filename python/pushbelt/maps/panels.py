@@ -41,7 +41,7 @@ class Quantity:
     @property
     def heading(self) -> str:
         """Name with the unit, if it has one."""
-        text = f"{self.name} ({self.unit})" if self.unit else self.name
+        text = f"{self.name} ({self.unit})" if self.unit not in ("", "1") else self.name
         return text[0].upper() + text[1:]
 
 
@@ -79,7 +79,7 @@ def panel(
 ) -> Panel:  # fmt: skip
     """A map of a quantity; `values` and the masks of `kinds` over ratio × utilisation. The colours end at the border: the least and the
     greatest utilisation that is carried, shape (2, ratios), NaN where unknown; `at_border` are the values there, where known."""
-    unit = quantity.unit
+    unit = "" if quantity.unit == "1" else quantity.unit
     ratio, utilisation = (np.asarray(axis, dtype=float) for axis in axes)
     places = np.array(np.meshgrid(ratio, utilisation, indexing="ij"))
     series = []

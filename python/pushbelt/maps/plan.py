@@ -16,7 +16,7 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu import bands, gradients, steady, working_points
 from pushbelt.fmu.data import pitch_radius, torque_capacity
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.gradients import Asked, quotient, units_of
+from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.working_points import POINT_COLUMNS, SHAFTS, SHOWN, Along, Line, camel, drag, slope
@@ -126,20 +126,17 @@ class Plan(Tasks):
         return [Line(*values) for values in itertools.product(self.grid.force, self.grid.speed, self.ratios)]
 
     def document(self) -> dict[str, Any]:
-        more = {"deviations": dict(self.deviations), "gradient": self.asked.names and self.asked}
         grid = {**asdict(self.grid), "ratio": self.ratios}
-        return {"parameters": dict(self.full), "grid": grid, **{name: one for name, one in more.items() if one}}
+        return {"parameters": dict(self.full), "grid": grid, "deviations": dict(self.deviations), "gradient": self.asked}
 
     @property
     def added(self) -> dict[str, Quantity]:
         """Tables of standard deviations and derivatives."""
-        units, end = units_of(self.variables), f", the {self.asked.hold} kept"
-        banded = SHOWN if self.deviations else ()
-        found = {f"{name}Deviation": Quantity(TABLES[name].unit, f"Standard deviation of {name}", POINT) for name in banded}
-        for over, name in itertools.product(self.asked.names, SHOWN):
-            unit = quotient(TABLES[name].unit, units[over])
-            found[slope(name, over)] = Quantity(unit, f"Derivative of {name} over {over}{end}", POINT)
-        return found
+        units = {name: TABLES[name].unit for name in SHOWN}
+        slopes = self.asked.columns(units, self.variables)
+        banded = units.items() if self.deviations else ()
+        found = {f"{name}Deviation": Quantity(unit, f"Standard deviation of {name}", POINT) for name, unit in banded}
+        return found | {slope(name, over): Quantity(unit, text, POINT) for name, over, unit, text in slopes}
 
 
 # Solved lines

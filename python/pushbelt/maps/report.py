@@ -5,9 +5,7 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Sequence
-from itertools import starmap
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -72,25 +70,24 @@ def lines(maps: Maps) -> Chart:
     return Chart(panels, "Capacity, traction and shift rates", columns=3, common_legend=True, least_width=280)
 
 
-def _added(name: str, about: Any) -> Quantity:
-    return Quantity(about.description, name, unit="" if about.unit == "1" else about.unit)
-
-
 def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) -> Path:
     """Writes the report and returns its path. `beside` are the maps of another variator, side by side with these."""
     named = [("", maps)] if beside is None else [("A", maps), ("B", beside)]
+    added = (Quantity(about.description, name, unit=about.unit) for name, about in maps.added.items())
     others = beside.parameters if beside else maps.parameters
     context = {
         "maps": maps, "effort": effort, "beside": beside, "files": (*files.OWN, *files.WRITERS),
         "contours": [
             *((shown.heading, contours(named, shown)) for shown in SHOWN),
-            *((shown.heading, contours([("", maps)], shown)) for shown in starmap(_added, maps.added.items())),
+            *((one.heading, contours([("", maps)], one)) for one in added),
         ],
         "lines": lines(maps),
         # Without the numbers after the first comma.
         "reasons": Counter(reason.split(",")[0] for reason in maps.reasons.values()).most_common(),
-        "axes": [(name, AXES[name], maps.axes[name]) for name in AXES],
-        "differing": [(name, value, others.get(name)) for name, value in maps.parameters.items() if others.get(name) != value],
+        "axes": [(name, about.unit, ", ".join(map("{:g}".format, maps.axes[name]))) for name, about in AXES.items()],
+        "tables": [(name, *about[:2], ", ".join(about.axes)) for name, about in maps.quantities.items()],
+        "parameters": [(name, f"{value:g}") for name, value in maps.parameters.items()],
+        "differing": [(name, value, others.get(name, "–")) for name, value in maps.parameters.items() if others.get(name) != value],
     }  # fmt: skip
     path = folder / "report.html"
     write_html("maps/maps.html.j2", context, path)

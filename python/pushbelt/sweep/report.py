@@ -123,7 +123,7 @@ def contours(results: xarray.Dataset) -> dict[str, Chart]:
     end = " at {:.1f} kN" if results.sizes["force"] > 1 else ""
     deviations = (replace(one, name=f"standard deviation of {one.name}", column=one.column + DEVIATION, levels=None) for one in QUANTITIES)
     titles = {str(name): one.unit for name, one in results.items() for shown in QUANTITIES if str(name).startswith(f"d {shown.column}/")}
-    slopes = (Quantity(name, name, unit="" if unit == "1" else unit) for name, unit in titles.items())
+    slopes = (Quantity(name, name, unit=unit) for name, unit in titles.items())
     places = itertools.product(results.force.values, [*QUANTITIES, *(one for one in deviations if one.column in results), *slopes])
     return {one.heading + end.format(1e-3 * force): _contours(results.sel(force=force), one) for force, one in places}
 
@@ -184,7 +184,8 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
     context = {
         "design": None, "cut": None,
         "version": study.description.version or "", "identity": study.identity, "points": len(table), "effort": effort,
-        "reasons": reasons.most_common(), "failed_count": reasons.total(), "metadata_key": METADATA.decode(), "columns": about.items(),
+        "reasons": reasons.most_common(), "failed_count": reasons.total(), "metadata_key": METADATA.decode(),
+        "columns": [(name, one["unit"], one["description"]) for name, one in about.items()],
         "parameters": [(name, _shown(study.variables[name], value), study.variables[name].unit or "1") for name, value in study.parameters.items()],
         "quantities": [(quantity, (values.min(), values.max())) for quantity, values in ranges.items()],
         "slipping": int((numbers.pastPeak == 1.0).sum()), "checks": evaluate(results) if results.steady.any() else [],

@@ -11,7 +11,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pushbelt.fmu.bands import DEVIATION
-from pushbelt.fmu.gradients import quotient, units_of
 from pushbelt.fmu.unit import TRUTHS, output_names
 from pushbelt.study.tasks import Row
 from pushbelt.whole_file import write_whole
@@ -27,10 +26,10 @@ def schema(study: Study) -> pa.Schema:
     number, variables = pa.float64(), study.variables
     axes = [axis.column for axis in AXES.values()]
     # Columns of a design are among the parameters and inputs.
-    own, units = output_names(variables.values()), units_of(variables)
+    units = {name: one.unit or "1" for name, one in variables.items()}
+    own = {name: units[name] for name in output_names(variables.values())}
     outputs = dict.fromkeys(("primary.torque", *study.grid.columns, *own))
-    banded, asked = BANDS if study.deviations else (), study.asked
-    kept = f", the {asked.hold} kept"
+    banded = BANDS if study.deviations else ()
     columns = [
         ("point", pa.int64(), "1", "Index of the point in the study"),
         *((axis.column, number, axis.unit, axis.description) for axis in AXES.values()),
@@ -38,11 +37,7 @@ def schema(study: Study) -> pa.Schema:
         *((name, pa.bool_(), "1", variables[name].description) for name in TRUTHS),
         *((name + DEVIATION, number, units[name], f"Standard deviation of {name}") for name in banded),
         *((f"{name} by", pa.string(), "", f"Parameters that make most of the deviation of {name}") for name in banded),
-        *(
-            (slope(output, name), number, quotient(units[output], units[name]), f"Derivative of {output} over {name}{kept}")
-            for name in asked.names
-            for output in own
-        ),
+        *((slope(output, over), number, unit, text) for output, over, unit, text in study.asked.columns(own, variables)),
         ("drift", number, "1", f"Change of the thrust ratio over the step of {SHORT_STEP} s, relative"),
         ("remarks", pa.string(), "", "Warnings of the FMU"),
         ("reason", pa.string(), "", "Reason for a missing steady state; null with a steady state"),

@@ -107,8 +107,7 @@ class Study(Tasks):
         return partial(point.solve, deviations=self.deviations, asked=self.asked)
 
     def document(self) -> dict[str, Any]:
-        more = {"deviations": dict(self.deviations), "gradient": self.asked.names and self.asked}
-        return {"parameters": dict(self.parameters), "grid": asdict(self.grid), **{name: one for name, one in more.items() if one}}
+        return {"parameters": dict(self.parameters), "grid": asdict(self.grid), "deviations": dict(self.deviations), "gradient": self.asked}
 
     def tasks(self) -> list[dict[str, float]]:
         return [self.start_values(point) for point in self.grid.points()]
