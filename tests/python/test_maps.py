@@ -229,7 +229,7 @@ def test_deviations_are_in_all_files_and_the_fmu_runs_on_them(banded: Maps, map_
     assert frame.xs("slip by", axis=1).iloc[1, 0].startswith("friction.pulley")
     assert np.array_equal(loadmat(tmp_path / "maps.mat")["tbl_slipDeviation"], banded["slipDeviation"].transpose(2, 3, 1, 0), equal_nan=True)
     text = report.write(banded, tmp_path, run.Effort(2, 1.0, 2.0)).read_text(encoding="utf-8")
-    assert "Standard deviation of slip</h2>" in text and "Derivative of torqueLoss over belt.play, the ratio kept (N.m/m)" in text
+    assert "Standard deviation of slip</h2>" in text and "friction.pulley, primary.drag.constant</td>" in text and "Derivative of torqueLoss over belt.play, the ratio kept (N.m/m)" in text
     map_unit.write_fmu(tmp_path / "copy.fmu", banded, map_fmu)
     with Archive.unpack(tmp_path / "copy.fmu") as unpacked, Instance(unpacked, {"initial.ratio": 1.0}) as unit:
         unit.initialise()

@@ -18,6 +18,7 @@ from pushbelt.study.run import Effort
 
 from . import files
 
+FEW = 4  # Largest number of groups of parameters that are listed for each deviation
 KINDS = {0: "solved", 1: "slips through", 3: "no steady state"}
 """Points in the maps, by the numbers of the table `state`. Those beyond the capacity are behind the border."""
 SHOWN = (*QUANTITIES, Quantity("torque loss at the primary shaft", "torqueLoss", unit="N·m"))
@@ -86,6 +87,7 @@ def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) 
         "reasons": Counter(reason.split(",")[0] for reason in maps.reasons.values()).most_common(),
         "axes": [(name, about.unit, ", ".join(map("{:g}".format, maps.axes[name]))) for name, about in AXES.items()],
         "tables": [(name, *about[:2], ", ".join(about.axes)) for name, about in maps.quantities.items()],
+        "by": [(name, *one) for name, texts in maps.by.items() for one in Counter(texts.values()).most_common(FEW)],
         "parameters": [(name, f"{value:g}") for name, value in maps.parameters.items()],
         "differing": [(name, value, others.get(name, "–")) for name, value in maps.parameters.items() if others.get(name) != value],
     }  # fmt: skip
