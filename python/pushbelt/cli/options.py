@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import MissingFileError
+from ..errors import ArgumentError, MissingFileError
+from ..fmu.data import parameter_deviations
 from ..fmu.enumerations import RingModel
 from ..fmu.files import default_fmu
-from ..fmu.gradients import HELD
+from ..fmu.gradients import HELD, Asked
 from ..provenance import COMMAND
 from ..steel import Material
 from ..tables import units
@@ -144,6 +145,14 @@ def numbers(text: str) -> tuple[float, ...]:
     if not 2 <= int(number) <= MOST_NUMBERS:
         raise ValueError(f"there are 2 to {MOST_NUMBERS} values in a range")
     return tuple(np.linspace(float(low), float(high), int(number)).tolist())
+
+
+def sensitivities(options: argparse.Namespace) -> tuple[dict[str, float], Asked]:
+    """Standard deviations of parameters, and derivatives, of these options."""
+    found = parameter_deviations(options.variator) if options.bands else {}
+    if options.bands and not found:
+        raise ArgumentError(f"--bands: no parameter of {options.variator} has a known deviation")
+    return found, Asked(options.gradient, options.hold)
 
 
 def names(text: str) -> tuple[str, ...]:

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ArgumentError
-from .data import parameter_deviations
 from .results import Bands
 from .steady import StartValues, SteadyStates
 from .unit import UnitError
@@ -20,13 +18,6 @@ LINEAR_UTILISATION, LINEAR = 0.6, 0.5
 DEVIATION = ".sd"  # Suffix of a column of standard deviations
 NAMED = ("thrustRatio", "slip", "loss.total")
 """Outputs whose curvature counts."""
-
-
-def known_deviations(name: str) -> dict[str, float]:
-    """Standard deviations of a set's parameters. Raises ArgumentError if there is none."""
-    if found := parameter_deviations(name):
-        return found
-    raise ArgumentError(f"--bands: no parameter of {name} has a known deviation")
 
 
 def increased(variables: Mapping[str, Any], values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, float]:

@@ -14,10 +14,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from pushbelt import console
-from pushbelt.cli.options import add_sensitivities, add_short, add_study, numbers, program
+from pushbelt.cli.options import add_sensitivities, add_short, add_study, numbers, program, sensitivities
 from pushbelt.errors import ArgumentError, require
-from pushbelt.fmu.bands import known_deviations
-from pushbelt.fmu.gradients import Asked
 from pushbelt.study.tasks import variator
 
 from .data import AXES, Maps
@@ -48,8 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int | console.Done:
         raise ArgumentError("at least two ratios are needed")
     grid = replace(SHORT if options.short else COARSE, **given)
     parameters = variator(options.variator, options.ring, dict(options.set))
-    deviations = known_deviations(options.variator) if options.bands else {}
-    plan = Plan(options.fmu, parameters, grid, deviations, Asked(options.gradient, options.hold))
+    plan = Plan(options.fmu, parameters, grid, *sensitivities(options))
     beside = Maps.read(options.beside) if options.beside else None
     # Imported here, so that the help needs no packages of the extras, and processes of a local cluster none of the report.
     from pushbelt.study.run import from_command_line

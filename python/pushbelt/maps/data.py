@@ -132,10 +132,14 @@ class Maps:
 
     def document(self) -> dict[str, Any]:
         """Everything as JSON values."""
+        nothing = np.array(None)
         return {
             "format": "pushbelt maps", "version": VERSION, "source": dict(self.source), "parameters": dict(self.parameters),
             "axes": {name: {**axis._asdict(), "values": self.axes[name].tolist()} for name, axis in AXES.items()},
-            "tables": {name: {**table._asdict(), "values": _plain(self.tables[name])} for name, table in self.quantities.items()},
+            "tables": {
+                name: {**table._asdict(), "values": np.where(np.isnan(self.tables[name]), nothing, self.tables[name]).tolist()}
+                for name, table in self.quantities.items()
+            },
             "reasons": dict(self.reasons), "by": dict(self.by), "added": dict(self.added),
         }  # fmt: skip
 
@@ -195,13 +199,6 @@ class Maps:
         title = "Steady states and shift rates of a pushbelt variator"
         about = {"title": title, "format_version": np.int32(VERSION), **self._about()}
         self.to_xarray().assign_attrs(about).to_netcdf(path, format="NETCDF3_64BIT", engine="scipy")
-
-
-def _plain(values: Array) -> Any:
-    """Lists of numbers, with None for NaN."""
-    found = values.astype(object)
-    found[np.isnan(values)] = None
-    return found.tolist()
 
 
 def _of_suffix(path: Path, functions: Mapping[str, Callable[[Path], Any]]) -> Callable[[Path], Any]:

@@ -14,10 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from pushbelt import console
-from pushbelt.cli.options import add_reading, add_sensitivities, add_short, add_study, numbers, program, reading
+from pushbelt.cli.options import add_reading, add_sensitivities, add_short, add_study, numbers, program, reading, sensitivities
 from pushbelt.errors import ArgumentError, require
-from pushbelt.fmu.bands import known_deviations
-from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.unit import belt_described
 
 from .design import AXIS_OF, Design, DesignError, Varied, crossed, listed, varied
@@ -88,9 +86,8 @@ def _study(options: argparse.Namespace) -> Study:
         grid = crossed([*columns, *map(varied, options.vary)], options.samples, options.seed)
     else:
         grid = replace(MEASURED if options.measure else SHORT if options.short else DEFAULT, **axes)
-    deviations = known_deviations(options.variator) if options.bands else {}
     parameters = variator(options.variator, options.ring, dict(options.set), grid.columns)
-    return Study(options.fmu, parameters, grid, deviations, Asked(options.gradient, options.hold))
+    return Study(options.fmu, parameters, grid, *sensitivities(options))
 
 
 def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> console.Done:

@@ -146,15 +146,9 @@ def _contours(results: xarray.Dataset, quantity: Quantity) -> Chart:
 def carried(utilisation: Array, holds: np.ndarray) -> Array:
     """Least and greatest utilisation that is carried at each ratio: between the last point that holds and the next one.
     `holds` is over ratio × utilisation. NaN where all points hold, or none."""
-    between = 0.5 * (utilisation[1:] + utilisation[:-1])
-    border = np.full((2, len(holds)), np.nan)
-    for k, line in enumerate(holds):
-        places = np.flatnonzero(line)
-        if places.size and places[0] > 0:
-            border[0, k] = between[places[0] - 1]
-        if places.size and places[-1] < len(utilisation) - 1:
-            border[1, k] = between[places[-1]]
-    return border
+    borders = np.concatenate([[np.nan], 0.5 * (utilisation[1:] + utilisation[:-1]), [np.nan]])
+    ends = np.array([holds.argmax(axis=1), holds.shape[1] - holds[:, ::-1].argmax(axis=1)])
+    return np.where(holds.any(axis=1), borders[ends], np.nan)
 
 
 def cuts(results: xarray.Dataset) -> Chart:
