@@ -158,12 +158,6 @@ def test_a_hypercube_runs_and_goes_on(fmu: Path, tmp_path: Path, capsys: pytest.
     reports.look_at(tmp_path / "report.html")
 
 
-def test_a_primary_force_determines_the_ratio(fmu: Path, tmp_path: Path) -> None:
-    assert run(fmu, tmp_path, "--vary", "primary.clampingForce=12e3:16e3:3", "--vary", "primary.torque=50", "--force", "1e4") == 0
-    ratios = pq.read_table(tmp_path / "results.parquet")["ratio.geometric"].to_pylist()
-    assert ratios[0] > ratios[1] > ratios[2]
-
-
 def test_a_list_runs(fmu: Path, tmp_path: Path) -> None:
     path = tmp_path / "points.csv"
     path.write_text("ratio,primary.torque,speed [rpm]\n0.5,20,1000\n2,40,2000\n", encoding="utf-8")

@@ -228,20 +228,19 @@ def test_bands_are_columns_and_maps(study: Study, archive: Archive, monkeypatch:
 
 def test_gradients_are_columns_and_maps(study: Study, archive: Archive) -> None:
     """They are differences of points beside: at a ratio, and with a given primary force."""
-    step = {"primary.torque": 0.1, "friction.pulley": 1e-4, "initial.ratio": 1e-4, "secondary.clampingForce": 20.0}
-    middle = {"primary.torque": 50.0, "friction.pulley": 0.09, "initial.ratio": 1.1, "secondary.clampingForce": 12e3}
-    asked = ("torque", "friction.pulley", "ratio", "force")
-    for more, names in (({}, asked), ({"primary.clampingForce": 14e3}, asked[:2])):
-        points = [middle] + [middle | {name: middle[name] + sign * step[name]} for name in step for sign in (1, -1)]
-        design = Design("list", tuple(middle | more), tuple(tuple((one | more).values()) for one in points))
-        parameters = {name: one for name, one in PARAMETERS.items() if name not in design.columns}
-        one = Study(study.fmu, parameters, design, asked=Asked(names))
+    common = {"torque": ("primary.torque", 50.0, 0.1), "friction.pulley": ("friction.pulley", 0.09, 1e-4)}
+    held = common | {"ratio": ("initial.ratio", 1.1, 1e-4), "force": ("secondary.clampingForce", 12e3, 20.0)}
+    for asked in (held, common | {"primary.clampingForce": ("primary.clampingForce", 14e3, 20.0)}):
+        middle = {column: value for column, value, _ in asked.values()}
+        points = [middle, *(middle | {column: value + sign * step} for column, value, step in asked.values() for sign in (1, -1))]
+        design = Design("list", tuple(middle), tuple(tuple(point.values()) for point in points))
+        one = Study(study.fmu, variator("bench168", changes=MESH, varied=design.columns), design, asked=Asked(tuple(asked)))
         frame = table(one, solved_by(archive, one)).to_pandas()
-        for output, (k, name) in itertools.product(("slip", "loss.total", "ratio.speed"), enumerate(names)):
+        for output, (k, (name, (_, _, step))) in itertools.product(("slip", "loss.total", "ratio.speed"), enumerate(asked.items())):
             above, below = frame[output][2 * k + 1 : 2 * k + 3]
-            expected = (above - below) / (2.0 * step[list(step)[k]])
-            assert frame[f"d {output}/d {name}"][0] == pytest.approx(expected, rel=0.01, abs=1e-9), (output, name, more)
+            assert frame[f"d {output}/d {name}"][0] == pytest.approx((above - below) / (2.0 * step), rel=0.01, abs=1e-9), (output, name)
         assert frame["d primary.idleArc/d torque"].isna().all()
+    assert frame["d ratio.geometric/d primary.clampingForce"][0] < -1e-5
     grid = dataclasses.replace(study, grid=Grid((12e3,), (0.09,), (200.0,), (1.0, 1.25), (0.3, 0.5)), asked=Asked(("torque",), "forces"))
     found = table(grid, solved_by(archive, grid))
     assert found.schema.field("d loss.total/d torque").metadata[b"unit"] == b"W/(N.m)" and grid.identity != study.identity
