@@ -19,7 +19,6 @@ import reports
 from conftest import MESH
 from distributed import LocalCluster
 
-from pushbelt.errors import PushbeltError
 from pushbelt.fmu.bands import SAMPLES
 from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.unit import Archive, Instance
@@ -250,18 +249,6 @@ def test_gradients_are_columns_and_maps(study: Study, archive: Archive) -> None:
     driven = Study(study.fmu, PARAMETERS | {"friction.pulley": 0.09}, Design("list", ("primary.speedSetpoint",), ((300.0,),)), asked=Asked(("torque",)))
     (row,) = solved_by(archive, driven).values()
     assert row["pastPeak"] and "slip through" in row["remarks"] and table(driven, {0: row})["d slip/d torque"].null_count == 1
-
-
-@pytest.mark.parametrize(
-    ("column", "name", "hold", "why"),
-    [
-        ("utilisation", "belt.plya", None, "belt.plya; similar names: belt.play"), ("utilisation", "mesh.strand", None, "mesh.strand"),
-        ("utilisation", "ratio", "forces", "the ratio follows"), ("primary.pressure", "torque", "ratio", "hold = 'ratio' is not one of forces"),
-    ],
-)  # fmt: skip
-def test_gradients_that_are_refused(fmu: Path, column: str, name: str, hold: str | None, why: str) -> None:
-    with pytest.raises(PushbeltError, match=why):
-        Study(fmu, PARAMETERS, Design("list", (column,), ((0.5,),)), asked=Asked((name,), hold))
 
 
 def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: dict[int, Row]) -> None:

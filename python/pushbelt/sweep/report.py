@@ -73,16 +73,16 @@ def evaluate(results: xarray.Dataset) -> list[Check]:
     power = np.maximum(results["primary.power"], results["secondary.power"])
     # Powers are those of the belt, so they exclude the drag of the shafts.
     gap = results["primary.power"] + results["secondary.power"] - results["loss.total"] + results["loss.shafts"]
-    limits = (
-        ("Losses of the belt sum to its net power within 0.2 % of the driving power", (gap / power).where(power > 1.0, 0.0), 0.2),
-        # With saturated friction a small change of load is a large change of slip, so these points are excluded.
-        ("Steady states are stationary: thrust ratio constant over a step of 1 ms within 0.01 %", results.drift.where(held, 0.0), 0.01),
-    )
-    found = []
-    for statement, values, limit in limits:
+
+    def small(statement: str, values: DataArray, limit: float) -> Check:
         inside = 100.0 * abs(values).where(steady)
-        worst = float(inside.max()) if steady.any() else 0.0
-        found.append(_check(results, statement, inside > limit, int(steady.sum()), f"at most {worst:.2g} %"))
+        return _check(results, statement, inside > limit, int(steady.sum()), f"at most {float(inside.max()):.2g} %")
+
+    found = [
+        small("Losses of the belt sum to its net power within 0.2 % of the driving power", (gap / power).where(power > 1.0, 0.0), 0.2),
+        # With saturated friction a small change of load is a large change of slip, so these points are excluded.
+        small("Steady states are stationary: thrust ratio constant over a step of 1 ms within 0.01 %", results.drift.where(held, 0.0), 0.01),
+    ]
     return found if "point" in results.dims else [*found, *_checks_of_grid(results)]
 
 
