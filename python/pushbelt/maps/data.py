@@ -131,15 +131,12 @@ class Maps:
         return found.hexdigest()
 
     def document(self) -> dict[str, Any]:
-        """Everything as JSON values."""
-        nothing = np.array(None)
+        """Everything as JSON values, null for NaN."""
+        values = {name: np.where(np.isnan(table), np.array(None), table).tolist() for name, table in self.tables.items()}
         return {
             "format": "pushbelt maps", "version": VERSION, "source": dict(self.source), "parameters": dict(self.parameters),
             "axes": {name: {**axis._asdict(), "values": self.axes[name].tolist()} for name, axis in AXES.items()},
-            "tables": {
-                name: {**table._asdict(), "values": np.where(np.isnan(self.tables[name]), nothing, self.tables[name]).tolist()}
-                for name, table in self.quantities.items()
-            },
+            "tables": {name: {**table._asdict(), "values": values[name]} for name, table in self.quantities.items()},
             "reasons": dict(self.reasons), "by": dict(self.by), "added": dict(self.added),
         }  # fmt: skip
 

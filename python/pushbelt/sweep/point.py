@@ -76,7 +76,8 @@ def solve(
     start, near, own, remarks = unit.outputs(), unit.state(), dict[str, Any](), list[str]()
     try:
         slopes = asked.of(unit, partial(rates, values)) if asked.names else {}
-        own = {slope(output, name): one for output, of in slopes.items() for name, one in zip(asked.names, of.tolist(), strict=True)}
+        found = ((slope(output, name), one) for output, of in slopes.items() for name, one in zip(asked.names, of.tolist(), strict=True))
+        own = {title: one for title, one in found if math.isfinite(one)}
     except UnitError as error:
         remarks = [str(error)]
     before = start["thrustRatio"]
@@ -89,6 +90,6 @@ def solve(
     remarks += unit.warnings
     if deviations:
         known = {**states.parameters, **values}
-        found = bands(states, start, near, lambda changes: {**values, **increased(unit.variables, known, changes)}, deviations)
-        own |= {f"{name}{DEVIATION}": found[name] for name in BANDS} | {f"{name} by": ", ".join(found.largest(name)) for name in BANDS}
+        spread = bands(states, start, near, lambda changes: {**values, **increased(unit.variables, known, changes)}, deviations)
+        own |= {f"{name}{DEVIATION}": spread[name] for name in BANDS} | {f"{name} by": ", ".join(spread.largest(name)) for name in BANDS}
     return outputs | truths | {"drift": drift, "remarks": "; ".join(remarks) or None, "reason": None} | own
