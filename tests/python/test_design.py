@@ -161,9 +161,9 @@ def test_a_hypercube_runs_and_goes_on(fmu: Path, tmp_path: Path, capsys: pytest.
 def test_a_list_runs(fmu: Path, tmp_path: Path) -> None:
     path = tmp_path / "points.csv"
     path.write_text("ratio,primary.torque,speed [rpm]\n0.5,20,1000\n2,40,2000\n", encoding="utf-8")
-    assert run(fmu, tmp_path, "--points", str(path)) == 0
+    assert run(fmu, tmp_path, "--points", str(path), "--bands", "--gradient", "torque") == 0
     table = pq.read_table(tmp_path / "results.parquet")
-    assert table["primary.torque"].to_pylist() == [20.0, 40.0]
+    assert table["primary.torque"].to_pylist() == [20.0, 40.0] and table["slip by"].null_count == table["d slip/d torque"].null_count == 0
     assert table["ratio.geometric"].to_pylist() == pytest.approx([0.5, 2.0], rel=1e-3)
     assert table["utilisation"].to_pylist() == pytest.approx(table["torqueUtilisation"].to_pylist(), rel=0.05)
 

@@ -93,11 +93,11 @@ def add_study(parser: argparse.ArgumentParser) -> None:
 
 def add_sensitivities(parser: argparse.ArgumentParser) -> None:
     """Options of studies: standard deviations and derivatives at each point."""
-    text = "add standard deviations of outputs by those known of the parameter set; a sweep then takes about thirty times as long, maps fifteen times"
+    text = "add standard deviations of outputs by those of the parameter set, in thirty times the time, of maps in fifteen times"
     parser.add_argument("--bands", action="store_true", help=text)
-    text = "add derivatives of outputs over real parameters and inputs, and over ratio, torque, speed and force"
+    text = "add derivatives of outputs over parameters, inputs, ratio, torque, speed and force"
     parser.add_argument("--gradient", type=names, default=(), metavar="NAME,…", help=text)
-    parser.add_argument("--hold", choices=list(HELD), help="what they keep [default: ratio, or forces where the points have a primary force]")
+    parser.add_argument("--hold", choices=list(HELD), help="what they keep [default: ratio, or given forces]")
 
 
 def add_material(parser: argparse._ActionsContainer, *safety: str) -> None:
