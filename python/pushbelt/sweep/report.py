@@ -183,7 +183,7 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
         "parameters": [(name, _shown(study.variables[name], value), study.variables[name].unit or "1") for name, value in study.parameters.items()],
         "quantities": [(quantity, (values.min(), values.max())) for quantity, values in ranges.items()],
         "slipping": int((numbers.pastPeak == 1.0).sum()), "checks": evaluate(results) if results.steady.any() else [],
-        "failed": [(int(one.name), one.tolist()) for _, one in numbers[numbers.thrustRatio.isna()][names].head(FEW).iterrows()],
+        "failed": [(int(one.name), *map("{:g}".format, one)) for _, one in numbers[numbers.thrustRatio.isna()][names].head(FEW).iterrows()],
         "columns_of_points": [(name, about[name]["unit"], _values(numbers[name])) for name in names],
     }  # fmt: skip
     own = _of_design(study.grid, numbers, about) if isinstance(study.grid, Design) else _of_grid(results)
