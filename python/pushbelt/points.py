@@ -17,6 +17,7 @@ from .fmu import unit as calls
 from .fmu.bands import DEVIATION, bands, increased
 from .fmu.closing import closed_by, closing_at
 from .fmu.data import clamping_force, parameter_deviations, pitch_radius, torque_capacity
+from .fmu.gradients import Asked, units_of
 from .fmu.results import Bands, SteadyState, dataframe, item
 from .fmu.start_values import StartValueError, Variables, checked
 from .fmu.steady import SteadyStates, driven_by_torque
@@ -35,8 +36,6 @@ MOST_STATES = 3  # Largest number of steady states that are solved for a clampin
 SAME_FORCE = 0.01  # Relative change below which a clamping force with `SAFETY` is not improved further
 OVERRUN = 0.5  # Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger
 FREQUENCY = 50.0  # Default frequency, Hz, below which modes are states of a linear model
-HELD = {"ratio": "", "speed ratio": "ratio.speed", "forces": "primary.axialForce"}
-"""What changed steady states keep, and the output that the ratio then keeps constant."""
 STEP = 1e-6  # Relative step of the derivatives of start values with respect to a point, in which they are nearly linear
 STATES = ("modal", "physical")  # Kinds of states of a linear model
 
@@ -108,7 +107,7 @@ class WorkingPoints:
         """Name or file of the parameter set."""
         self._declared = archive.variables
         self._states = SteadyStates(archive)
-        self._last_steady: tuple[Values, SteadyState] | None = None
+        self._last_steady: tuple[Values, SteadyState, bytes] | None = None
         self.variables = Variables(self._declared.values())
         """The FMU's variables by name: each has `unit`, `description`, `start`, `min`, `max`, `causality` and more."""
 
@@ -219,10 +218,9 @@ class WorkingPoints:
     def _bands(self, point: Point, deviations: Mapping[str, float]) -> Bands:
         for name in deviations.keys() - set(Point._fields):
             item(self._values, name, "variator", "parameter")
-        try:
-            return bands(self._states, lambda changes: self._changed(self._values, point, changes), deviations)
-        except (StartValueError, UnitError) as error:
-            raise SteadyStateError(f"no steady state {point}: {error}") from error
+        outputs = self._steady(self._values, point).outputs
+        assert self._last_steady is not None
+        return bands(self._states, outputs, self._last_steady[2], lambda changes: self._changed(self._values, point, changes), deviations)
 
     def _changed(self, values: Values, point: Point, changes: Mapping[str, float]) -> dict[str, Any]:
         """Start values of a steady state with changes of parameters, within their ranges, and of the point."""
@@ -232,31 +230,19 @@ class WorkingPoints:
         held = driven_by_torque(values, there.ratio, there.speed, there.torque, there.force)
         return checked(self._declared, {**held, "initial.equilibrium": False})
 
-    def _gradient(self, values: Values, point: Point, names: Iterable[str], hold: str) -> pandas.DataFrame:
-        """`SteadyState.gradient` at a point."""
-        if hold not in HELD:
-            raise ArgumentError(refused("hold", hold, f"one of {', '.join(HELD)}"))
-        names, columns = list(names), {}
-        if hold != "ratio" and "ratio" in names:
-            raise ArgumentError(f"with hold = {hold!r} the ratio follows: it is no variable")
-        for name in dict.fromkeys([*names, *(["ratio"] if hold != "ratio" else [])]):
-            columns[name] = {name: 1.0}
-            if name in Point._fields:
-                step = STEP * (abs(getattr(point, name)) or 1.0)
-                above, below = (self._changed(values, point, {name: sign * step}) for sign in (1.0, -1.0))
-                columns[name] = {of: 0.5 * (above[of] - below[of]) / step for of in above if above[of] != below[of]}
-            else:
-                item(values, name, "variator", "parameter")
-        variables = list(dict.fromkeys(name for rates in columns.values() for name in rates))
-        found = self._states.at(self._changed(values, point, {})).gradient(variables)
-        units = {one["name"]: one["unit"] for one in (*found["outputs"], *found["variables"])}
-        units |= dict(zip(Point._fields, ("1", "N.m", "rad/s", "N"), strict=True))
-        slopes = dataframe(found["gradient"]).astype(float).set_axis(variables, axis="columns").set_axis([one["name"] for one in found["outputs"]])
-        table = dataframe({name: sum(rate * slopes[of] for of, rate in rates.items()) for name, rates in columns.items()})
-        if hold != "ratio":
-            # The ratio follows: dy = ∂y/∂p dp + ∂y/∂i di, where di keeps what is held.
-            row = table.loc[HELD[hold]]
-            table = (table - np.outer(table["ratio"], row / row["ratio"])).drop(columns="ratio")
+    def _gradient(self, values: Values, point: Point, stored: bytes, names: Iterable[str], hold: str) -> pandas.DataFrame:
+        """`SteadyState.gradient` at a point, from its stored state."""
+
+        def rates(name: str) -> dict[str, float]:
+            if name not in Point._fields:
+                return {name: 1.0}
+            step = STEP * (abs(getattr(point, name)) or 1.0)
+            above, below = (self._changed(values, point, {name: sign * step}) for sign in (1.0, -1.0))
+            return {of: 0.5 * (above[of] - below[of]) / step for of in above if above[of] != below[of]}
+
+        asked, units = Asked(tuple(dict.fromkeys(names)), hold).checked(self._declared), units_of(self._declared)
+        self._states.unit.restore(stored, 0.0)
+        table = dataframe(asked.of(self._states.unit, rates)).T.set_axis(asked.names, axis="columns")
         table.attrs = {"held": hold, "units": {name: units[name] for name in (*table.index, *table.columns)}}
         return table
 
@@ -277,11 +263,11 @@ class WorkingPoints:
         if why := capacity.excessive_speed(values, point.ratio, point.speed):
             warn(why)
         unit = self._solved(held, point, near)
-        derivatives = partial(self._gradient, values, point)
+        derivatives = partial(self._gradient, values, point, stored := unit.state())
         state = SteadyState(unit.outputs(), unit.profile(), unit.get("secondary.externalTorque"), derivatives)
         if state["pastPeak"]:
             raise SteadyStateError(f"the belt slips through {point}, past the peak of its traction: its torque utilisation is {state['torqueUtilisation']:.2f}")
-        self._last_steady = (held, state)
+        self._last_steady = (held, state, stored)
         return state
 
     def _solved(self, values: Values, point: Point, near: bytes | bool = False) -> calls.Instance:

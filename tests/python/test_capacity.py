@@ -108,7 +108,9 @@ def test_a_map_holds_the_steady_states_and_has_overrun_in_underdrive(coarse: Var
     assert found["primary.speed"].attrs == {"units": "rad/s", "long_name": "Speed of the primary pulley"}
 
 
-def test_the_state_that_gave_the_force_is_not_solved_again(coarse: Variator, initialised: list[object]) -> None:
-    """In drive at this ratio the first thrust ratio is above 1."""
-    coarse.steady(0.8, 52.0)
+def test_a_solved_state_is_not_solved_again(coarse: Variator, initialised: list[object]) -> None:
+    """It gave the force, and gives its gradient and bands. In drive at this ratio the first thrust ratio is above 1."""
+    assert coarse.steady(0.8, 52.0).gradient("torque").loc["slip", "torque"] > 0.0
     assert len(initialised) == 1
+    coarse.thrust_map([0.8], [50.0], force=12e3, deviations={"friction.pulley": 1e-3})
+    assert len(initialised) == 1 + 1 + 2

@@ -158,18 +158,12 @@ def test_a_hypercube_runs_and_goes_on(fmu: Path, tmp_path: Path, capsys: pytest.
     reports.look_at(tmp_path / "report.html")
 
 
-def test_a_primary_force_determines_the_ratio(fmu: Path, tmp_path: Path) -> None:
-    assert run(fmu, tmp_path, "--vary", "primary.clampingForce=12e3:16e3:3", "--vary", "primary.torque=50", "--force", "1e4") == 0
-    ratios = pq.read_table(tmp_path / "results.parquet")["ratio.geometric"].to_pylist()
-    assert ratios[0] > ratios[1] > ratios[2]
-
-
 def test_a_list_runs(fmu: Path, tmp_path: Path) -> None:
     path = tmp_path / "points.csv"
     path.write_text("ratio,primary.torque,speed [rpm]\n0.5,20,1000\n2,40,2000\n", encoding="utf-8")
-    assert run(fmu, tmp_path, "--points", str(path)) == 0
+    assert run(fmu, tmp_path, "--points", str(path), "--bands", "--gradient", "torque") == 0
     table = pq.read_table(tmp_path / "results.parquet")
-    assert table["primary.torque"].to_pylist() == [20.0, 40.0]
+    assert table["primary.torque"].to_pylist() == [20.0, 40.0] and table["slip by"].null_count == table["d slip/d torque"].null_count == 0
     assert table["ratio.geometric"].to_pylist() == pytest.approx([0.5, 2.0], rel=1e-3)
     assert table["utilisation"].to_pylist() == pytest.approx(table["torqueUtilisation"].to_pylist(), rel=0.05)
 

@@ -16,17 +16,21 @@ import xarray
 from conftest import MESH
 from pushbelt_validation.bench import Bench
 from scipy.io import loadmat, whosmat
+from test_sweep import solved_by
 
+from pushbelt import Variator
 from pushbelt.fmu.data import pitch_radius, torque_capacity
+from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance
-from pushbelt.fmu.working_points import SHAFTS, Line
-from pushbelt.maps import __main__, files
+from pushbelt.fmu.working_points import SHAFTS, drag
+from pushbelt.maps import __main__, files, report
+from pushbelt.maps import unit as map_unit
 from pushbelt.maps.data import STATES, TABLES, MapError, Maps
 from pushbelt.maps.plan import COARSE, Grid, Plan, collect, monotone, stops
 from pushbelt.report.side_by_side import Call
 from pushbelt.study import run
-from pushbelt.study.tasks import Solver, variator
+from pushbelt.study.tasks import variator
 
 PARAMETERS = variator("bench168", changes=MESH)
 LOSSES = [name for name in TABLES if name.startswith("loss") and name != "lossShafts"]  # Of the belt
@@ -84,15 +88,9 @@ def test_grid_refuses(values: dict) -> None:
 
 def test_lines_do_not_depend_on_the_inertia_of_a_vehicle(archive: Archive, plan: Plan) -> None:
     """A vehicle may be part of `secondary.inertia`."""
-    short = dataclasses.replace(plan.grid, utilisation=(0.3,), slip_share=(-1.0, 0.0, 1.0), shift_utilisation=(0.3,), excess=(-0.25, 0.0, 0.25))
-    found = []
-    for inertia in (0.03, 80.0):
-        heavy = dataclasses.replace(plan, parameters={**PARAMETERS, "secondary.inertia": inertia}, grid=short)
-        solver = Solver(archive, heavy.common, heavy.measure)
-        ((_, row),) = solver.solve([(0, Line(12e3, 100.0, 1.0))])
-        solver.close()
-        del row["time"]
-        found.append(row)
+    short = Grid((12e3,), (100.0,), (1.0,), utilisation=(0.3,), slip_share=(-1.0, 0.0, 1.0), shift_utilisation=(0.3,), excess=(-0.25, 0.0, 0.25))
+    heavy = [dataclasses.replace(plan, parameters={**PARAMETERS, "secondary.inertia": inertia}, grid=short) for inertia in (0.03, 80.0)]
+    found = [{**solved_by(archive, one)[0], "time": 0.0} for one in heavy]
     assert found[0] == found[1]
     ((down, up),) = found[0]["shiftRate"]
     assert down < 0.0 < up
@@ -186,6 +184,56 @@ def test_lines_without_results_have_those_of_the_nearest(plan: Plan, maps: Maps,
     assert found.reasons[f"{f}/{s}/{r}/0"] == "no belt"
     with pytest.raises(ValueError, match="no belt"):
         collect(plan, {4: rows[4]})
+
+
+@pytest.fixture(scope="module")
+def banded(archive: Archive, fmu: Path) -> Maps:
+    """Maps with standard deviations and derivatives; a utilisation of 1.1 is beyond what the belt carries."""
+    grid = Grid((6e3,), (100.0,), (0.8, 1.2), utilisation=(-0.3, 0.3, 1.1), slip_share=(-1.0, 0.0, 1.0), excess=(0.0,))
+    plan = Plan(fmu, PARAMETERS, grid, {"friction.pulley": 1e-3, "primary.drag.constant": 0.06}, Asked(("torque", "ratio", "belt.play")))
+    return collect(plan, solved_by(archive, plan))
+
+
+def test_deviations_and_derivatives_are_those_of_the_variator(banded: Maps, fmu: Path) -> None:
+    """At the torque of the primary shaft of a point."""
+    with Variator(banded.parameters, fmu=fmu) as variator:
+        for place, ratio in (((0, 0, 1, 0), 1.2), ((0, 0, 0, 1), 0.8)):
+            turning = 100.0 / (1.0 - banded["slip"][place])
+            torque = banded["primaryTorque"][place] + drag(banded.parameters, "primary", turning, banded["bearingLoad"][place])
+            point = {"ratio": ratio, "torque": float(torque), "speed": 100.0, "force": 6e3}
+            bands = variator.bands(**point, deviations={"friction.pulley": 1e-3, "primary.drag.constant": 0.06})
+            state = variator.steady(**point)
+            slopes = state.gradient(["torque", "ratio", "belt.play"])
+            for name in ("thrustRatio", "slip", "efficiency"):
+                assert banded[f"{name}Deviation"][place] == pytest.approx(bands[name], rel=0.01)
+                assert banded.by[name]["/".join(map(str, place))] == ", ".join(bands.largest(name))
+                for over, table in (("torque", "Torque"), ("ratio", "Ratio"), ("belt.play", "BeltPlay")):
+                    assert banded[f"{name}Per{table}"][place] == pytest.approx(slopes.loc[name, over], rel=0.02, abs=1e-7)
+            assert banded["torqueLossDeviation"][place] == pytest.approx(bands["secondary.externalTorque"] / ratio, rel=0.01)
+            beside = [variator.steady(**point | {"ratio": ratio + step}) for step in (1e-4, -1e-4)]
+            losses = [one["primary.externalTorque"] + one["secondary.externalTorque"] / one["ratio.geometric"] for one in beside]
+            assert banded["torqueLossPerRatio"][place] == pytest.approx((losses[0] - losses[1]) / 2e-4, rel=0.05)
+    assert np.isnan(banded["slipDeviation"][..., 2]).all() and np.isnan(banded["slipPerTorque"][..., 2]).all()
+
+
+def test_deviations_are_in_all_files_and_the_fmu_runs_on_them(banded: Maps, map_fmu: Path, tmp_path: Path) -> None:
+    paths = files.write(banded, tmp_path)
+    for path in paths[: len(files.OWN)]:
+        found = Maps.read(path)
+        assert (found.identity, found.by, found.added) == (banded.identity, banded.by, banded.added)
+    assert banded.added["torqueLossPerBeltPlay"].unit == "N.m/m"
+    with xarray.open_dataset(tmp_path / "maps.nc") as data:
+        assert data["slipPerTorque"].units == "1/(N.m)"
+    frame = pandas.read_csv(tmp_path / "maps.csv", header=[0, 1])
+    assert frame["slipDeviation", "1"].notna().sum() == frame["slipPerBeltPlay", "1/m"].notna().sum() == 4
+    assert frame.xs("slip by", axis=1).iloc[1, 0].startswith("friction.pulley")
+    assert np.array_equal(loadmat(tmp_path / "maps.mat")["tbl_slipDeviation"], banded["slipDeviation"].transpose(2, 3, 1, 0), equal_nan=True)
+    text = report.write(banded, tmp_path, run.Effort(2, 1.0, 2.0)).read_text(encoding="utf-8")
+    assert "Standard deviation of slip</h2>" in text and "friction.pulley, primary.drag.constant</td>" in text and "Derivative of torqueLoss over belt.play, the ratio kept (N.m/m)" in text
+    map_unit.write_fmu(tmp_path / "copy.fmu", banded, map_fmu)
+    with Archive.unpack(tmp_path / "copy.fmu") as unpacked, Instance(unpacked, {"initial.ratio": 1.0}) as unit:
+        unit.initialise()
+        unit.step_to(0.01)
 
 
 @pytest.mark.parametrize("name", files.OWN)

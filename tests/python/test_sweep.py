@@ -2,11 +2,13 @@
 
 import dataclasses
 import gzip
+import itertools
 import json
 import math
 import os
 import shutil
 import signal
+from contextlib import closing
 from pathlib import Path
 
 import dask
@@ -17,12 +19,15 @@ import reports
 from conftest import MESH
 from distributed import LocalCluster
 
+from pushbelt.fmu.bands import SAMPLES
+from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, Store, chunks
 from pushbelt.study.run import solve as solve_all
-from pushbelt.study.tasks import Solver
+from pushbelt.study.tasks import Solver, Tasks
 from pushbelt.sweep import report
+from pushbelt.sweep.design import Design
 from pushbelt.sweep.point import Row, solve
 from pushbelt.sweep.results import METADATA, table, write_parquet
 from pushbelt.sweep.study import AXES, Grid, Study, variator
@@ -166,10 +171,8 @@ def test_checks_find_a_spot(study: Study, values: dict, statement: str | None) -
 @pytest.fixture(scope="module")
 def solved(study: Study, archive: Archive) -> dict[int, Row]:
     """The whole study, solved by one instance, last point first."""
-    solver = Solver(archive, {}, solve)
-    found = {number: row for chunk in chunks(study, set(), 8)[::-1] for number, row in solver.solve(chunk)}
-    solver.close()
-    return found
+    with closing(Solver(archive, {}, solve)) as solver:
+        return {number: row for chunk in chunks(study, set(), 8)[::-1] for number, row in solver.solve(chunk)}
 
 
 def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
@@ -203,11 +206,18 @@ def test_states_make_sense_and_the_report_shows_maps_cuts_and_what_failed(study:
     reports.look_at(path)
 
 
-def test_bands_are_columns_and_maps(study: Study) -> None:
+def solved_by(archive: Archive, tasks: Tasks) -> dict[int, Row]:
+    with closing(Solver(archive, tasks.common, tasks.measure)) as solver:
+        return dict(solver.solve(list(enumerate(tasks.tasks()))))
+
+
+def test_bands_are_columns_and_maps(study: Study, archive: Archive, monkeypatch: pytest.MonkeyPatch) -> None:
     grid = Grid((12e3,), (0.09,), (200.0,), (1.0, 1.25), (0.3, 0.5))
     banded = dataclasses.replace(study, grid=grid, deviations={"friction.pulley": 0.01, "belt.play": 1e-4})
-    with Archive.unpack(study.fmu) as archive:
-        rows = dict(Solver(archive, {}, banded.measure).solve(list(enumerate(banded.tasks()))))
+    started, original = [], Instance.initialise
+    monkeypatch.setattr(Instance, "initialise", lambda self: (started.append(self), original(self))[1])
+    rows = solved_by(archive, banded)
+    assert (len(started) - len(grid) * (1 + 2 * len(banded.deviations))) % SAMPLES == 0, "each state once"
     assert all(0.0 < row["slip.sd"] < row["slip"] and row["slip by"].startswith("friction.pulley") for row in rows.values())
     assert banded.identity != study.identity
     found = table(banded, rows)
@@ -215,11 +225,37 @@ def test_bands_are_columns_and_maps(study: Study) -> None:
     assert "Standard deviation of slip (%)" in report.contours(report.data_set(banded.grid, found))
 
 
+def test_gradients_are_columns_and_maps(study: Study, archive: Archive) -> None:
+    """They are differences of points beside: at a ratio, and with a given primary force."""
+    common = {"torque": ("primary.torque", 50.0, 0.1), "friction.pulley": ("friction.pulley", 0.09, 1e-4)}
+    held = common | {"ratio": ("initial.ratio", 1.1, 1e-4), "force": ("secondary.clampingForce", 12e3, 20.0)}
+    for asked in (held, common | {"primary.clampingForce": ("primary.clampingForce", 14e3, 20.0)}):
+        middle = {column: value for column, value, _ in asked.values()}
+        points = [middle, *(middle | {column: value + sign * step} for column, value, step in asked.values() for sign in (1, -1))]
+        design = Design("list", tuple(middle), tuple(tuple(point.values()) for point in points))
+        one = Study(study.fmu, variator("bench168", changes=MESH, varied=design.columns), design, asked=Asked(tuple(asked)))
+        frame = table(one, solved_by(archive, one)).to_pandas()
+        for output, (k, (name, (_, _, step))) in itertools.product(("slip", "loss.total", "ratio.speed"), enumerate(asked.items())):
+            above, below = frame[output][2 * k + 1 : 2 * k + 3]
+            assert frame[f"d {output}/d {name}"][0] == pytest.approx((above - below) / (2.0 * step), rel=0.01, abs=1e-9), (output, name)
+    assert frame["d ratio.geometric/d primary.clampingForce"][0] < -1e-5
+    grid = dataclasses.replace(study, grid=Grid((12e3,), (0.09,), (200.0,), (1.0, 1.25), (0.3, 0.5)), asked=Asked(("torque",), "forces"))
+    found = table(grid, solved_by(archive, grid))
+    assert found.schema.field("d loss.total/d torque").metadata[b"unit"] == b"W/(N.m)" and grid.identity != study.identity
+    assert found["d primary.idleArc/d torque"].null_count == len(found)
+    charts = report.contours(report.data_set(grid.grid, found))
+    assert "D slip/d torque (1/(N.m))" in charts and max(map(abs, found["d primary.axialForce/d torque"].to_pylist())) < 1e-6
+    # Past the peak of traction.
+    driven = Study(study.fmu, PARAMETERS | {"friction.pulley": 0.09}, Design("list", ("primary.speedSetpoint",), ((300.0,),)), asked=Asked(("torque",)))
+    (row,) = solved_by(archive, driven).values()
+    assert row["pastPeak"] and "slip through" in row["remarks"] and table(driven, {0: row})["d slip/d torque"].null_count == 1
+
+
 def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: dict[int, Row]) -> None:
-    solver, values = Solver(archive, {}, solve), [study.start_values(point) for point in study.grid.points()]
+    values = study.tasks()
     refused = {**values[1], "belt.play": -1.0}
-    found = solver.solve([(0, values[0]), (1, refused), (100, {**values[1], "belt.colour": 1.0}), (2, values[2])])
-    solver.close()
+    with closing(Solver(archive, {}, solve)) as solver:
+        found = solver.solve([(0, values[0]), (1, refused), (100, {**values[1], "belt.colour": 1.0}), (2, values[2])])
     assert "belt.play" in found[1][1]["reason"]
     assert "belt.colour" in found[2][1]["reason"]
     for number, row in (found[0], found[3]):

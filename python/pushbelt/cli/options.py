@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import MissingFileError
+from ..errors import ArgumentError, MissingFileError
+from ..fmu.data import parameter_deviations
 from ..fmu.enumerations import RingModel
 from ..fmu.files import default_fmu
+from ..fmu.gradients import HELD, Asked
 from ..provenance import COMMAND
 from ..steel import Material
 from ..tables import units
@@ -89,6 +91,15 @@ def add_study(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--measure", action="store_true", help="only measure the time; nothing stored is used")
 
 
+def add_sensitivities(parser: argparse.ArgumentParser) -> None:
+    """Options of studies: standard deviations and derivatives at each point."""
+    text = "add standard deviations of outputs by those of the parameter set, in thirty times the time, of maps in fifteen times"
+    parser.add_argument("--bands", action="store_true", help=text)
+    text = "add derivatives of outputs over parameters, inputs, ratio, torque, speed and force"
+    parser.add_argument("--gradient", type=names, default=(), metavar="NAME,…", help=text)
+    parser.add_argument("--hold", choices=list(HELD), help="what they keep [default: ratio, or given forces]")
+
+
 def add_material(parser: argparse._ActionsContainer, *safety: str) -> None:
     """Strength of the ring's steel; `safety` are other names of `--stress-safety`."""
     for one in fields(Material):
@@ -134,6 +145,18 @@ def numbers(text: str) -> tuple[float, ...]:
     if not 2 <= int(number) <= MOST_NUMBERS:
         raise ValueError(f"there are 2 to {MOST_NUMBERS} values in a range")
     return tuple(np.linspace(float(low), float(high), int(number)).tolist())
+
+
+def sensitivities(options: argparse.Namespace) -> tuple[dict[str, float], Asked]:
+    """Standard deviations of parameters, and derivatives, of these options."""
+    found = parameter_deviations(options.variator) if options.bands else {}
+    if options.bands and not found:
+        raise ArgumentError(f"--bands: no parameter of {options.variator} has a known deviation")
+    return found, Asked(options.gradient, options.hold)
+
+
+def names(text: str) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(filter(None, map(str.strip, text.split(",")))))
 
 
 def assignment(text: str, form: str = "NAME=VALUE", empty: bool = True) -> tuple[str, str]:

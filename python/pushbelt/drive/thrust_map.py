@@ -29,16 +29,6 @@ STILL = 1e-4  # Least change of slip over an interval of the utilisation whose e
 NEARBY = 0.2  # Range of the excess about its expected value in which the shift gain is taken
 
 
-def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[float], list[float]]:
-    """Utilisations up to the last steady state, and the steepest −dκ/du up to each of them, of a row of a map."""
-    # Points without a steady state have the values of their neighbour, so the slip does not change there.
-    steady = 1 + int(np.sum(np.diff(slips) > STILL))
-    slopes = np.diff(thrust[:steady]) / np.diff(places[:steady])
-    middles = 0.5 * (places[: steady - 1] + places[1:steady])
-    falls = np.maximum.accumulate(-np.append(slopes, slopes[-1]))
-    return np.append(middles, places[steady - 1]).tolist(), falls.tolist()
-
-
 @dataclass(frozen=True)
 class ThrustMap:
     """Steady states over ratio × torque utilisation. Values are bilinear between the points and constant beyond them."""
@@ -62,10 +52,16 @@ class ThrustMap:
 
     @cached_property
     def _falls(self) -> list[tuple[list[float], list[float]]]:
-        """For each ratio: positive utilisations, and the largest −dκ/du up to each of them."""
-        driving = self.utilisations >= 0.0
-        rows = zip(self.thrust[:, driving], self.slips[:, driving], strict=True)
-        return [_steepest_falls(self.utilisations[driving], *row) for row in rows]
+        """For each ratio: positive utilisations up to the last steady state, and the largest −dκ/du up to each of them."""
+        driving, found = self.utilisations >= 0.0, []
+        for thrust, slips in zip(self.thrust[:, driving], self.slips[:, driving], strict=True):
+            # Points without a steady state have the values of their neighbour, so the slip does not change there.
+            steady = 1 + int(np.sum(np.diff(slips) > STILL))
+            places = self.utilisations[driving][:steady]
+            slopes = np.diff(thrust[:steady]) / np.diff(places)
+            falls = np.maximum.accumulate(-np.append(slopes, slopes[-1]))
+            found.append((np.append(0.5 * (places[:-1] + places[1:]), places[-1]).tolist(), falls.tolist()))
+        return found
 
     def acting_force(self, secondary: float) -> float:
         """F of the shift law, N, at a secondary clamping force, N: F_S at the force of the map, F_0 (F_S + F_c)/(F_0 + F_c)."""

@@ -1,5 +1,5 @@
 """The FMU, and data for it.
 
 geometry → results → unit (the FMU, call by call), data (published parameters and inputs) → load_cases (steady states)
-steady (start values of steady states, and one after another), working_points (what maps consist of)
+steady (start values of steady states, and one after another), gradients and bands (around one), working_points (what maps consist of)
 """

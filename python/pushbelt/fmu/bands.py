@@ -33,14 +33,15 @@ def samples(deviations: Mapping[str, float], count: int) -> list[dict[str, float
     return [dict(zip(deviations, draw, strict=True)) for draw in draws.tolist()]
 
 
-def bands(states: SteadyStates, start_values: Callable[[Mapping[str, float]], StartValues], deviations: Mapping[str, float]) -> Bands:
-    """Outputs at `start_values({})`, and their standard deviations by `deviations`, from which `start_values` adds some.
+def bands(
+    states: SteadyStates, outputs: Mapping[str, float], near: bytes, start_values: Callable[[Mapping[str, float]], StartValues],
+    deviations: Mapping[str, float],
+) -> Bands:  # fmt: skip
+    """Standard deviations of the outputs of a stored steady state by `deviations`, from which `start_values` adds some.
 
     An output that depends on each x, in standard deviations, as a x + b x² has the deviation √Σ(a² + 2 b²). Where b contributes much, or near
-    the capacity, that of samples of independent normal distributions replaces it. Raises UnitError without a steady state.
+    the capacity, that of samples of independent normal distributions replaces it.
     """
-    unit = states.at(start_values({}))
-    outputs, near = unit.outputs(), unit.state()
     middle, lost = np.array(list(outputs.values())), np.nan
 
     def at(changes: Mapping[str, float]) -> np.ndarray:

@@ -8,11 +8,18 @@ whole is at rest, so the contact forces on both pulleys have the same resultant.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
+import numpy as np
+
+from .bands import bands, increased
 from .data import torque_capacity
+from .gradients import Asked, rates
 from .steady import At, StartValues, SteadyStates, driven_at_speed, driven_by_slip, driven_by_torque
 from .unit import Instance, UnitError
 
@@ -41,6 +48,8 @@ WINDOW = (0.06, 0.12)
 TIME_STEP = 0.01  # Largest communication step in it, s
 SHIFT_REACH = 0.05  # Largest change of ln i in a shift measurement
 STEP_ANGLE = 0.5  # Largest angle of the primary pulley in a communication step of a shift measurement, rad
+SHOWN = {"thrustRatio": "thrustRatio", "slip": "slip", "efficiency": "efficiency", "torqueLoss": "secondary.externalTorque"}
+"""Quantities with standard deviations and derivatives, and the outputs that these are of."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +69,19 @@ class Along:
     """Slips at which the traction is measured, divided by the slip at capacity, ascending from −1 to 1."""
     shift_utilisations: Sequence[float]  # Utilisations at which shifts are measured
     excesses: Sequence[float]  # ln(F_P/(κ F_S)) of the shifts, ascending, without 0
+    shafts: Mapping[str, float]  # Drag and bearings of the variator, under which points have what follows
+    deviations: Mapping[str, float]  # Standard deviations of parameters, for those of points
+    asked: Asked  # Derivatives
+
+
+def camel(name: str) -> str:
+    """Name of a table: `lossSheaves` of `loss.sheaves`."""
+    return re.sub(r"\.(.)", lambda dot: dot[1].upper(), name)
+
+
+def slope(name: str, over: str) -> str:
+    """Table of a derivative, `slipPerFrictionPulley`."""
+    return camel(f"{name}Per.{over}")
 
 
 def driven_at(states: SteadyStates, line: Line, utilisation: float) -> StartValues:
@@ -88,9 +110,36 @@ def limit(traction: Callable[[float], float], sign: float) -> tuple[float, float
     return sign * slip, sign * found
 
 
+def drag(parameters: Mapping[str, float], pulley: str, speed: Any, load: Any) -> Any:
+    """Drag torque of a shaft at a speed (rad/s) under a bearing load (N), N·m: tanh(ω/ω_0) (T_0 + μ r R) + b ω."""
+    lever = parameters[f"{pulley}.bearing.friction"] * parameters[f"{pulley}.bearing.radius"]
+    loaded = parameters[f"{pulley}.drag.constant"] + lever * load
+    return np.tanh(speed / FADING_SPEED) * loaded + parameters[f"{pulley}.drag.viscous"] * speed
+
+
+def around(states: SteadyStates, line: Line, torque: float, found: Mapping[str, float], along: Along) -> dict[str, Any]:
+    """Standard deviations of a point, the parameters that make most of them, and derivatives: those that it has, by table."""
+    torque += drag(along.shafts, "primary", line.speed / (1.0 - found["slip"]), found["bearingLoad"])
+    values = driven_by_torque(along.shafts, line.ratio, line.speed, torque, line.force)
+    known, row = {**states.parameters, **values}, dict[str, Any]()
+    with suppress(UnitError):
+        unit = states.at(values, True)
+        outputs, near = unit.outputs(), unit.state()
+        with suppress(UnitError):
+            slopes = along.asked.of(unit, partial(rates, values))
+            # The torque loss is T_P + T_S/i.
+            of_loss = slopes["primary.externalTorque"] + slopes["secondary.externalTorque"] / line.ratio
+            slopes["torqueLoss"] = of_loss - outputs["secondary.externalTorque"] / line.ratio**2 * slopes["ratio.geometric"]
+            row |= {slope(name, over): float(slopes[name][k]) for k, over in enumerate(along.asked.names) for name in SHOWN}
+        if along.deviations:
+            spread = bands(states, outputs, near, lambda changes: values | increased(unit.variables, known, changes), along.deviations)
+            row |= {f"{name}Deviation": spread[output] / (1.0 if name == output else line.ratio) for name, output in SHOWN.items()}
+            row["by"] = {name: ", ".join(spread.largest(output)) for name, output in SHOWN.items()}
+    return row
+
+
 def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
-    """All results on a line: plain lists of numbers, None where there is no steady state, and reasons."""
-    reasons: dict[str, str] = {}
+    """All results on a line: points, with a reason where there is no steady state, and plain lists of numbers."""
     at = states.sequence()
     capacity = torque_capacity(states.parameters, line.ratio, line.force)
 
@@ -99,29 +148,32 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
         return -unit.get("primary.shaftTorque") / capacity
 
     (low, least), (high, most) = (limit(traction, sign) for sign in (-1.0, 1.0))
-    points: list[dict[str, float] | None] = []
-    for utilisation in along.utilisations:
+
+    def solved(utilisation: float) -> dict[str, Any]:
         try:
             if not TRIED * least < utilisation < TRIED * most:
                 raise UnitError(f"beyond the capacity, a utilisation of {(most if utilisation > 0.0 else least):.3f}")
-            points.append(point(at(driven_at(states, line, utilisation)), line.ratio))
+            return point(at(driven_at(states, line, utilisation)), line.ratio)
         except UnitError as error:
-            points.append(None)
-            reasons[f"{utilisation:g}"] = str(error)
+            return {"reason": str(error)}
 
-    def rates(utilisation: float) -> list[float] | list[None]:
+    def shifts(utilisation: float) -> list[float] | list[None]:
         try:
             return shift_rates(states, at, line, utilisation if least < utilisation < most else 0.0, along.excesses)
         except UnitError:
             return [None] * len(along.excesses)
 
     known = {-1.0: least, 1.0: most}
-    return {
-        "points": {name: [None if found is None else found[name] for found in points] for name in POINT_COLUMNS},
-        "capacity": [least, most], "capacitySlip": [low, high], "reasons": reasons,
+    points = [solved(utilisation) for utilisation in along.utilisations]
+    found = {
+        "points": points, "capacity": [least, most], "capacitySlip": [low, high],
         "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low) for s in along.shares],
-        "shiftRate": [rates(utilisation) for utilisation in along.shift_utilisations],
+        "shiftRate": [shifts(utilisation) for utilisation in along.shift_utilisations],
     }  # fmt: skip
+    for utilisation, one in zip(along.utilisations, points, strict=True):
+        if "reason" not in one and (along.deviations or along.asked.names):
+            one.update(around(states, line, utilisation * capacity, one, along))
+    return found
 
 
 def shift_rates(states: SteadyStates, at: At, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:

@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from pushbelt import console
-from pushbelt.cli.options import add_short, add_study, numbers, program
+from pushbelt.cli.options import add_sensitivities, add_short, add_study, numbers, program, sensitivities
 from pushbelt.errors import ArgumentError, require
 from pushbelt.study.tasks import variator
 
@@ -32,6 +32,7 @@ def parser() -> argparse.ArgumentParser:
         text = f"{AXES[name].description}, {AXES[name].unit}; comma-separated numbers"
         found.add_argument(f"--{name}", type=numbers, metavar="A,B,…", help=text)
     found.add_argument("--ratios", type=int, metavar="N", help="number of ratios, evenly between the end stops [default: 7]")
+    add_sensitivities(found)
     found.add_argument("--beside", type=Path, metavar="MAPS", help="maps of another variator, maps.nc, for the report")
     return found
 
@@ -44,7 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int | console.Done:
     if given.get("ratios", 2) < 2:
         raise ArgumentError("at least two ratios are needed")
     grid = replace(SHORT if options.short else COARSE, **given)
-    plan = Plan(options.fmu, variator(options.variator, options.ring, dict(options.set)), grid)
+    parameters = variator(options.variator, options.ring, dict(options.set))
+    plan = Plan(options.fmu, parameters, grid, *sensitivities(options))
     beside = Maps.read(options.beside) if options.beside else None
     # Imported here, so that the help needs no packages of the extras, and processes of a local cluster none of the report.
     from pushbelt.study.run import from_command_line

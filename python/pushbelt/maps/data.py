@@ -9,7 +9,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -48,7 +48,7 @@ _ABOUT = json.loads(Path(__file__).with_name("tables.json").read_text(encoding="
 AXES: Mapping[str, Quantity] = {name: Quantity(**about) for name, about in _ABOUT["axes"].items()}
 TABLES: Mapping[str, Quantity] = {name: Quantity(**{**about, "axes": tuple(about["axes"])}) for name, about in _ABOUT["tables"].items()}
 POINT = ("force", "speed", "ratio", "utilisation")
-TEXTS = ("source", "parameters", "reasons")  # Parts of a data set that are no numbers
+TEXTS = ("source", "parameters", "reasons", "by", "added")  # Parts of a data set that are no numbers
 
 
 @dataclass(frozen=True)
@@ -62,28 +62,37 @@ class Maps:
     """What the maps are from: model, version and GUID of the FMU."""
     reasons: Mapping[str, str] = field(default_factory=dict)
     """Why a point has no steady state, by its indices `force/speed/ratio/utilisation`."""
+    by: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """Parameters that make most of a table's standard deviation at a point, by the table and these indices."""
+    added: Mapping[str, Quantity] = field(default_factory=dict)
+    """Tables of standard deviations and derivatives over the points, NaN where there is none."""
 
     def __post_init__(self) -> None:
-        for name in ("axes", "tables", "parameters", "source", "reasons"):
-            mapping(name, getattr(self, name))
+        for one in fields(self):
+            mapping(one.name, getattr(self, one.name))
         arrays = (*self.axes.values(), *self.tables.values())
         if not all(isinstance(array, np.ndarray) and array.dtype.kind in "iuf" for array in arrays):
             raise MapError("axes and tables are arrays of numbers")
-        if missing := AXES.keys() - self.axes.keys() | TABLES.keys() - self.tables.keys():
+        if missing := AXES.keys() - self.axes.keys() | self.quantities.keys() - self.tables.keys():
             raise MapError(f"the maps lack {', '.join(sorted(missing))}")
         for name, axis in self.axes.items():
             if axis.ndim != 1 or not np.all(np.isfinite(axis)) or not np.all(np.diff(axis) > 0.0):
                 raise MapError(f"the axis {name} does not ascend")
-        for name, quantity in TABLES.items():
+        for name, quantity in self.quantities.items():
             shape = tuple(len(self.axes[axis]) for axis in quantity.axes)
             if self.tables[name].shape != shape:
                 raise MapError(f"the table {name} has the shape {self.tables[name].shape} instead of {shape}")
-            if not np.all(np.isfinite(self.tables[name])):
+            if name in TABLES and not np.all(np.isfinite(self.tables[name])):
                 raise MapError(f"the table {name} has values that are not finite")
 
     @checks(name=text)
     def __getitem__(self, name: str) -> Array:
         return item(self.tables, name, "data set", "table")
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """Units, descriptions and axes of all tables."""
+        return {**TABLES, **self.added}
 
     @cached_property
     def valid(self) -> np.ndarray:
@@ -99,8 +108,8 @@ class Maps:
     def to_xarray(self) -> xarray.Dataset:
         """The tables as an xarray data set with `units` and `long_name`. Needs `pushbelt[maps]`."""
         dataset = package("xarray", "to_xarray needs xarray", "maps").Dataset
-        about: dict[str, dict[str, Any]] = {name: {"units": one.unit, "long_name": one.description} for name, one in {**AXES, **TABLES}.items()}
-        tables = {name: (one.axes, self[name], about[name]) for name, one in TABLES.items()}
+        about: dict[str, dict[str, Any]] = {name: {"units": one.unit, "long_name": one.description} for name, one in {**AXES, **self.quantities}.items()}
+        tables = {name: (one.axes, self[name], about[name]) for name, one in self.quantities.items()}
         about["state"] |= {"flag_values": np.arange(len(STATES), dtype=float), "flag_meanings": " ".join(STATES)}
         return dataset(tables, {name: (name, values, about[name]) for name, values in self.axes.items()}, self.source)
 
@@ -122,12 +131,13 @@ class Maps:
         return found.hexdigest()
 
     def document(self) -> dict[str, Any]:
-        """Everything as JSON values."""
+        """Everything as JSON values, null for NaN."""
+        values = {name: np.where(np.isnan(table), np.array(None), table).tolist() for name, table in self.tables.items()}
         return {
             "format": "pushbelt maps", "version": VERSION, "source": dict(self.source), "parameters": dict(self.parameters),
             "axes": {name: {**axis._asdict(), "values": self.axes[name].tolist()} for name, axis in AXES.items()},
-            "tables": {name: {**table._asdict(), "values": self.tables[name].tolist()} for name, table in TABLES.items()},
-            "reasons": dict(self.reasons),
+            "tables": {name: {**table._asdict(), "values": values[name]} for name, table in self.quantities.items()},
+            "reasons": dict(self.reasons), "by": dict(self.by), "added": dict(self.added),
         }  # fmt: skip
 
     @classmethod
@@ -138,7 +148,9 @@ class Maps:
                 raise MapError(f"these are not pushbelt maps of version {VERSION}")
             axes, tables = arrays_of(document)
             parameters = {name: float(value) for name, value in document["parameters"].items()}
-            return cls(axes, tables, parameters, dict(document["source"]), dict(document["reasons"]))
+            source, reasons, by = (dict(document.get(name, {})) for name in ("source", "reasons", "by"))
+            added = {name: Quantity(unit, description, POINT) for name, (unit, description, _) in document.get("added", {}).items()}
+            return cls(axes, tables, parameters, source, reasons, by, added)
         except MapError:
             raise
         except (LookupError, TypeError, ValueError, AttributeError) as error:
@@ -200,16 +212,17 @@ def arrays_of(document: Mapping[str, Any]) -> tuple[dict[str, Array], ...]:
 
 def _read_npz(path: Path) -> Any:
     with np.load(path, allow_pickle=False) as file:
-        return _of_arrays(int(file["version"]), {name: str(file[name]) for name in TEXTS}, file, "axis_")
+        return _of_arrays(int(file["version"]), {name: str(file[name]) for name in TEXTS if name in file}, file, "axis_")
 
 
 def _read_netcdf(path: Path) -> Any:
     with package("scipy.io", ".nc files need scipy", "maps").netcdf_file(path, "r", mmap=False) as file:
         arrays = {name: np.array(variable[:], dtype=float) for name, variable in file.variables.items()}
-        return _of_arrays(int(file.format_version), {name: getattr(file, name).decode() for name in TEXTS}, arrays)
+        return _of_arrays(int(file.format_version), {name: getattr(file, name).decode() for name in TEXTS if hasattr(file, name)}, arrays)
 
 
 def _of_arrays(version: int, texts: Mapping[str, str], arrays: Mapping[str, Array], prefix: str = "") -> Any:
-    axes, tables = ({name: {"values": arrays[start + name]} for name in names} for names, start in ((AXES, prefix), (TABLES, "")))
     about = {name: json.loads(text) for name, text in texts.items()}
+    parts = (AXES, prefix), ({**TABLES, **about.get("added", {})}, "")
+    axes, tables = ({name: {"values": arrays[start + name]} for name in names} for names, start in parts)
     return {"format": "pushbelt maps", "version": version, "axes": axes, "tables": tables, **about}

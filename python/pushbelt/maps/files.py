@@ -10,7 +10,7 @@ import pandas
 from scipy.io import savemat
 
 from pushbelt.fmu.geometry import Array
-from pushbelt.maps.data import AXES, POINT, STATES, TABLES, Maps
+from pushbelt.maps.data import AXES, POINT, STATES, Maps
 from pushbelt.report.style import RPM
 
 OWN = ("maps.nc", "maps.npz", "maps.json")  # Files that `Maps.read` reads
@@ -25,12 +25,12 @@ def _matlab(maps: Maps, path: Path) -> None:
     """MAT v5: breakpoints `bp_…` and tables `tbl_…`, as the n-D lookup blocks of Simulink take them."""
     arrays: dict[str, object] = {f"bp_{name}": maps.axes[name] for name in AXES}
     rows = []
-    for name, quantity in TABLES.items():
+    for name, quantity in maps.quantities.items():
         dimensions = sorted(quantity.axes, key=lambda axis: LOOKUP.index(axis) if axis in LOOKUP else 1)
         arrays[f"tbl_{name}"] = maps[name].transpose([quantity.axes.index(axis) for axis in dimensions])
         rows.append([f"tbl_{name}", ",".join(dimensions), quantity.unit])
     arrays["names"] = np.array(rows, dtype=object)
-    assert all(len(name) <= MATLAB_NAME for name in arrays)
+    assert all(len(name) <= MATLAB_NAME for name in arrays if name[4:] not in maps.added)
     savemat(path, arrays, format="5", do_compression=True, oned_as="row")
 
 
@@ -61,17 +61,19 @@ def _combitable_text(maps: Maps, path: Path) -> None:
 
 def _points(maps: Maps) -> pandas.DataFrame:
     """A row for each point: the axes, and all tables over points."""
-    return maps.to_xarray()[[name for name, quantity in TABLES.items() if quantity.axes == POINT]].to_dataframe().reset_index()
+    return maps.to_xarray()[[name for name, quantity in maps.quantities.items() if quantity.axes == POINT]].to_dataframe().reset_index()
 
 
 def _csv(maps: Maps, path: Path) -> None:
     """A row for each point, with the reason for a missing steady state. Units are in the second row."""
     frame = _points(maps)
-    units = {**{name: AXES[name].unit for name in POINT}, **{name: TABLES[name].unit for name in frame.columns[len(POINT) :]}}
+    units = {**{name: AXES[name].unit for name in POINT}, **{name: maps.quantities[name].unit for name in frame.columns[len(POINT) :]}}
     valid, state = (frame.pop(name).astype(int) for name in ("valid", "state"))
-    reasons = [maps.reasons.get("/".join(map(str, place)), "") for place in np.ndindex(maps.valid.shape)]
-    frame = frame.assign(valid=valid, state=[STATES[k] for k in state], reason=reasons)
-    units |= dict.fromkeys(("valid", "state", "reason"), "")
+    texts = {f"{name} by": texts for name, texts in maps.by.items()} | {"reason": maps.reasons}
+    places = ["/".join(map(str, place)) for place in np.ndindex(maps.valid.shape)]
+    columns = {name: [texts.get(place, "") for place in places] for name, texts in texts.items()}
+    frame = frame.assign(valid=valid, state=[STATES[k] for k in state], **columns)
+    units |= dict.fromkeys(("valid", "state", *columns), "")
     frame.columns = pandas.MultiIndex.from_tuples((name, units[name]) for name in frame.columns)
     frame.to_csv(path, index=False, lineterminator="\r\n")
 

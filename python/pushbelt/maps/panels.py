@@ -41,7 +41,7 @@ class Quantity:
     @property
     def heading(self) -> str:
         """Name with the unit, if it has one."""
-        text = f"{self.name} ({self.unit})" if self.unit else self.name
+        text = f"{self.name} ({self.unit})" if self.unit not in ("", "1") else self.name
         return text[0].upper() + text[1:]
 
 
@@ -64,12 +64,12 @@ def levels_of(values: Array, preferred: Sequence[float] | None = None) -> Array:
         inside = np.flatnonzero((levels >= low) & (levels <= high))
         if inside.size >= 2:
             return levels[max(inside[0] - 1, 0) : inside[-1] + 2]
-    return np.asarray(MaxNLocator(12).tick_values(low, max(high, low + 1e-6)))
+    return np.asarray(MaxNLocator(12).tick_values(low, max(high, low + 1e-6 * (abs(low) or 1.0))))
 
 
 def middle_of(levels: Array) -> int | None:
     """Index of the level 0, from which the colours diverge, if there are levels on both sides."""
-    zero = np.flatnonzero(np.abs(levels) < 1e-9)
+    zero = np.flatnonzero(np.abs(levels) < 1e-9 * np.abs(levels).max())
     return int(zero[0]) if zero.size and 0 < zero[0] < len(levels) - 1 else None
 
 
@@ -79,7 +79,7 @@ def panel(
 ) -> Panel:  # fmt: skip
     """A map of a quantity; `values` and the masks of `kinds` over ratio × utilisation. The colours end at the border: the least and the
     greatest utilisation that is carried, shape (2, ratios), NaN where unknown; `at_border` are the values there, where known."""
-    unit = quantity.unit
+    unit = "" if quantity.unit == "1" else quantity.unit
     ratio, utilisation = (np.asarray(axis, dtype=float) for axis in axes)
     places = np.array(np.meshgrid(ratio, utilisation, indexing="ij"))
     series = []

@@ -4,27 +4,27 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property, partial
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from pushbelt.errors import ArgumentError
-from pushbelt.fmu import steady, working_points
+from pushbelt.fmu import bands, gradients, steady, working_points
 from pushbelt.fmu.data import pitch_radius, torque_capacity
 from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.steady import SteadyStates
-from pushbelt.fmu.working_points import FADING_SPEED, POINT_COLUMNS, SHAFTS, Along, Line
+from pushbelt.fmu.working_points import POINT_COLUMNS, SHAFTS, SHOWN, Along, Line, camel, drag, slope
 from pushbelt.study.tasks import Row, Tasks, ascending, spread
 
-from .data import AXES, POINT, STATES, TABLES, Maps
+from .data import AXES, POINT, STATES, TABLES, Maps, Quantity
 
-COLUMNS = {re.sub(r"\.(.)", lambda dot: dot[1].upper(), name): name for name in POINT_COLUMNS if name != "pastPeak"}
+COLUMNS = {camel(name): name for name in POINT_COLUMNS if name != "pastPeak"}
 """Tables that are columns of the measured points: `lossSheaves` of `loss.sheaves`."""
 MARGIN = 1.06
 """Factor between the ratios of the end stops and the outermost ratios. A loaded belt rests within it of the stops."""
@@ -84,9 +84,12 @@ class Plan(Tasks):
     """The lines of a grid, for an FMU and a variator."""
 
     grid: Grid = COARSE
+    deviations: Mapping[str, float] = field(default_factory=dict)  # Standard deviations of parameters, for bands
+    asked: Asked = gradients.NOTHING
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parameters", checked(self.variables, self.parameters, {"parameter"}))
+        object.__setattr__(self, "asked", self.asked.checked(self.variables))
 
     @cached_property
     def full(self) -> dict[str, float]:
@@ -103,12 +106,14 @@ class Plan(Tasks):
         low, high = stops(self.full)
         return spread(low * MARGIN, high / MARGIN, self.grid.ratios)
 
-    procedure = (working_points, steady)
+    procedure = (working_points, steady, bands, gradients)
 
     @property
     def measure(self) -> Callable[[SteadyStates, Line], Row]:
         excesses = tuple(excess for excess in self.grid.excess if excess != 0.0)
-        along = Along(self.grid.utilisation, self.grid.slip_share, self.grid.shift_utilisation, excesses)
+        shafts = {name: one for name, one in self.full.items() if ".drag." in name or ".bearing." in name}
+        grid = self.grid
+        along = Along(grid.utilisation, grid.slip_share, grid.shift_utilisation, excesses, shafts, self.deviations, self.asked)
         return partial(working_points.measure, along=along)
 
     @property
@@ -121,7 +126,17 @@ class Plan(Tasks):
         return [Line(*values) for values in itertools.product(self.grid.force, self.grid.speed, self.ratios)]
 
     def document(self) -> dict[str, Any]:
-        return {"parameters": dict(self.full), "grid": {**asdict(self.grid), "ratio": self.ratios}}
+        grid = {**asdict(self.grid), "ratio": self.ratios}
+        return {"parameters": dict(self.full), "grid": grid, "deviations": dict(self.deviations), "gradient": self.asked}
+
+    @property
+    def added(self) -> dict[str, Quantity]:
+        """Tables of standard deviations and derivatives."""
+        units = {name: TABLES[name].unit for name in SHOWN}
+        slopes = self.asked.columns(units, self.variables)
+        banded = units.items() if self.deviations else ()
+        found = {f"{name}Deviation": Quantity(unit, f"Standard deviation of {name}", POINT) for name, unit in banded}
+        return found | {slope(name, over): Quantity(unit, text, POINT) for name, over, unit, text in slopes}
 
 
 # Solved lines
@@ -136,49 +151,47 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     values = (grid.force, grid.speed, plan.ratios, grid.utilisation, (-1.0, 1.0), grid.slip_share, grid.shift_utilisation, grid.excess)
     axes = dict(zip(AXES, map(np.array, values), strict=True))
     route = tuple(len(axes[name]) for name in POINT[:3])
-    sources = [index if index in found else _nearest(index, found, route) for index in range(len(plan.tasks()))]
+    places, lines = np.array(list(np.ndindex(route))), []
+    for index in range(len(places)):
+        row = rows.get(index, {})
+        if "points" not in row:
+            # By indices of the axes; a step along the ratio counts least.
+            near = found[min(found, key=lambda other: float(np.abs(places[other] - places[index]) @ (3.0, 2.0, 1.0)))]
+            row = {**near, "points": [{**one, "reason": row.get("reason", "not solved")} for one in near["points"]]}
+        lines.append(row)
+    points = list(itertools.chain.from_iterable(line["points"] for line in lines))
+    state, reasons, by = np.zeros((*route, len(grid.utilisation))), dict[str, str](), defaultdict[str, dict[str, str]](dict)
+    for place, one in zip(np.ndindex(state.shape), points, strict=True):
+        key, why = "/".join(map(str, place)), one.get("reason")
+        if why is None:
+            state[place] = one["pastPeak"]
+            for name, text in one.get("by", {}).items():
+                by[name][key] = text
+        else:
+            state[place] = STATES.index("beyond_capacity" if why.startswith("beyond the capacity") else "not_found")
+            reasons[key] = why
 
-    def gathered(get: Callable[[Mapping[str, Any]], Any]) -> Array:
-        values = np.array([get(found[source]) for source in sources], dtype=float)
+    def over_points(name: str) -> Array:
+        return np.array([one.get(name) for one in points], dtype=float).reshape(state.shape)
+
+    def over_lines(name: str) -> Array:
+        values = np.array([line[name] for line in lines], dtype=float)
         return values.reshape(*route, *values.shape[1:])
 
-    raw = {name: gathered(lambda row, name=name: row["points"][name]) for name in POINT_COLUMNS}  # type: ignore[misc]
-    state, reasons = _states(plan, rows, raw["pastPeak"], axes["utilisation"])
-    tables = {name: filled(raw[column]) for name, column in COLUMNS.items()}
+    tables = {name: filled(over_points(column)) for name, column in COLUMNS.items()}
     tables["state"], tables["valid"] = state, (state <= STATES.index("slips_through")).astype(float)
-    tables |= {name: gathered(itemgetter(name)) for name in ("capacity", "capacitySlip", "traction", "shiftRate")}
+    tables |= {name: over_lines(name) for name in ("capacity", "capacitySlip", "traction", "shiftRate")}
     tables["shiftRate"] = monotone(tables["shiftRate"], axes["excess"])
     # The slope over the two intervals about excess 0; over one at the border of the axis.
     zero = int(np.flatnonzero(axes["excess"] == 0.0)[0])
     ends = [max(zero - 1, 0), min(zero + 1, len(axes["excess"]) - 1)]
     tables["shiftGain"] = np.diff(tables["shiftRate"][..., ends])[..., 0] / (np.diff(axes["excess"][ends])[0] or 1.0)
     tables |= with_shafts(plan.full, axes, tables)
+    tables |= {name: np.where(tables["valid"] > 0.0, over_points(name), np.nan) for name in plan.added}
     description = plan.description
     source = {"model": description.modelName, "version": description.version or "", "guid": description.guid}
-    assert tables.keys() == TABLES.keys()
-    return Maps(axes, tables, {name: float(value) for name, value in plan.full.items()}, source, reasons)
-
-
-def _nearest(index: int, found: Iterable[int], shape: tuple[int, ...]) -> int:
-    """The nearest line with results, by indices of the axes; a step along the ratio counts least."""
-    weights = np.array([3.0, 2.0, 1.0])
-    place = np.array(np.unravel_index(index, shape))
-    return min(found, key=lambda other: float(weights @ np.abs(np.array(np.unravel_index(other, shape)) - place)))
-
-
-def _states(plan: Plan, rows: Mapping[int, Row], slipping: Array, utilisations: Array) -> tuple[Array, dict[str, str]]:
-    """The table `state`, and the reasons for missing steady states."""
-    state, reasons = np.where(slipping > 0.0, 1.0, 0.0), {}
-    for index in range(len(plan.tasks())):
-        place: tuple[Any, ...] = np.unravel_index(index, state.shape[:3])
-        row = rows.get(index, {})
-        for k, utilisation in enumerate(utilisations):
-            why = row["reasons"].get(f"{utilisation:g}") if "points" in row else row.get("reason", "not solved")
-            if why is not None:
-                beyond = why.startswith("beyond the capacity")
-                state[(*place, k)] = STATES.index("beyond_capacity" if beyond else "not_found")
-                reasons["/".join(map(str, (*place, k)))] = why
-    return state, reasons
+    assert tables.keys() == TABLES.keys() | plan.added.keys()
+    return Maps(axes, tables, {name: float(value) for name, value in plan.full.items()}, source, reasons, by, plan.added)
 
 
 def filled(values: Array) -> Array:
@@ -202,21 +215,17 @@ def monotone(rates: Array, excesses: Array) -> Array:
 
 
 def with_shafts(parameters: Mapping[str, float], axes: Mapping[str, Array], tables: Mapping[str, Array]) -> dict[str, Array]:
-    """Primary torque, and what follows from the drag of the shafts: T_d = tanh(ω/ω_0) (T_0 + μ r R) + b ω."""
+    """Primary torque, and what follows from the drag of the shafts."""
     force, speed, ratio, utilisation = np.meshgrid(*(axes[name] for name in POINT), indexing="ij")
     per_force = np.array([torque_capacity(parameters, i, 1.0) for i in axes["ratio"]])
     torque = utilisation * force * per_force[None, None, :, None]
     # The secondary shaft turns at speed/ratio, the primary one faster by the slip.
     turning = {"primary": speed / (1.0 - tables["slip"]), "secondary": speed / ratio}
-    drag = {}
-    for pulley, omega in turning.items():
-        lever = parameters[f"{pulley}.bearing.friction"] * parameters[f"{pulley}.bearing.radius"]
-        loaded = parameters[f"{pulley}.drag.constant"] + lever * tables["bearingLoad"]
-        drag[pulley] = np.tanh(omega / FADING_SPEED) * loaded + parameters[f"{pulley}.drag.viscous"] * omega
-    into = torque + drag["primary"]
-    out = ratio * (torque - tables["beltTorqueLoss"]) - drag["secondary"]
+    lost = {pulley: drag(parameters, pulley, omega, tables["bearingLoad"]) for pulley, omega in turning.items()}
+    into = torque + lost["primary"]
+    out = ratio * (torque - tables["beltTorqueLoss"]) - lost["secondary"]
     power_in, power_out = into * turning["primary"], out * turning["secondary"]
     driving, driven = np.where(power_in > 0.0, (power_in, power_out), (-power_out, -power_in))
     efficiency = np.divide(driven, driving, out=np.zeros_like(driven), where=(driving > 0.0) & (driven > 0.0))
-    shafts = sum(drag[pulley] * turning[pulley] for pulley in turning)
+    shafts = sum(lost[pulley] * turning[pulley] for pulley in turning)
     return {"primaryTorque": torque, "lossShafts": shafts, "torqueLoss": into - out / ratio, "efficiency": efficiency}

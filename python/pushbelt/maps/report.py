@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pushbelt.maps.data import AXES, TABLES, Maps
+from pushbelt.maps.data import AXES, Maps
 from pushbelt.maps.panels import QUANTITIES, TICKS, Quantity, levels_of, panel, shades
 from pushbelt.report.charts import Chart, Panel, Series
 from pushbelt.report.page import write_html
@@ -18,6 +18,7 @@ from pushbelt.study.run import Effort
 
 from . import files
 
+FEW = 4  # Largest number of groups of parameters that are listed for each deviation
 KINDS = {0: "solved", 1: "slips through", 3: "no steady state"}
 """Points in the maps, by the numbers of the table `state`. Those beyond the capacity are behind the border."""
 SHOWN = (*QUANTITIES, Quantity("torque loss at the primary shaft", "torqueLoss", unit="N·m"))
@@ -73,15 +74,22 @@ def lines(maps: Maps) -> Chart:
 def write(maps: Maps, folder: Path, effort: Effort, beside: Maps | None = None) -> Path:
     """Writes the report and returns its path. `beside` are the maps of another variator, side by side with these."""
     named = [("", maps)] if beside is None else [("A", maps), ("B", beside)]
+    added = (Quantity(about.description, name, unit=about.unit) for name, about in maps.added.items())
     others = beside.parameters if beside else maps.parameters
     context = {
-        "maps": maps, "effort": effort, "beside": beside, "tables": TABLES, "files": (*files.OWN, *files.WRITERS),
-        "contours": [(shown.heading, contours(named, shown)) for shown in SHOWN],
+        "maps": maps, "effort": effort, "beside": beside, "files": (*files.OWN, *files.WRITERS),
+        "contours": [
+            *((shown.heading, contours(named, shown)) for shown in SHOWN),
+            *((one.heading, contours([("", maps)], one)) for one in added),
+        ],
         "lines": lines(maps),
         # Without the numbers after the first comma.
         "reasons": Counter(reason.split(",")[0] for reason in maps.reasons.values()).most_common(),
-        "axes": [(name, AXES[name], maps.axes[name]) for name in AXES],
-        "differing": [(name, value, others.get(name)) for name, value in maps.parameters.items() if others.get(name) != value],
+        "axes": [(name, about.unit, ", ".join(map("{:g}".format, maps.axes[name]))) for name, about in AXES.items()],
+        "tables": [(name, *about[:2], ", ".join(about.axes)) for name, about in maps.quantities.items()],
+        "by": [(name, *one) for name, texts in maps.by.items() for one in Counter(texts.values()).most_common(FEW)],
+        "parameters": [(name, f"{value:g}") for name, value in maps.parameters.items()],
+        "differing": [(name, value, others.get(name, "–")) for name, value in maps.parameters.items() if others.get(name) != value],
     }  # fmt: skip
     path = folder / "report.html"
     write_html("maps/maps.html.j2", context, path)

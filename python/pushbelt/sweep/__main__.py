@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from pushbelt import console
-from pushbelt.cli.options import add_reading, add_short, add_study, numbers, program, reading
+from pushbelt.cli.options import add_reading, add_sensitivities, add_short, add_study, numbers, program, reading, sensitivities
 from pushbelt.errors import ArgumentError, require
-from pushbelt.fmu.data import parameter_deviations
 from pushbelt.fmu.unit import belt_described
 
 from .design import AXIS_OF, Design, DesignError, Varied, crossed, listed, varied
@@ -40,8 +39,7 @@ def parser() -> argparse.ArgumentParser:
     text = "jobs of Slurm as workers: arguments of dask-jobqueue's SLURMCluster such as queue=normal walltime=02:00:00 cores=16, and jobs=4"
     found.add_argument("--slurm", metavar="OPTIONS", help=text)
     found.add_argument("--print-job", action="store_true", help="with --slurm: print the job script and end")
-    text = "add standard deviations of outputs by those known of the parameter set; a point then takes about thirty times as long"
-    found.add_argument("--bands", action="store_true", help=text)
+    add_sensitivities(found)
     found.add_argument("--chunk", type=int, metavar="N", help="points per task of a worker")
     return found
 
@@ -88,10 +86,8 @@ def _study(options: argparse.Namespace) -> Study:
         grid = crossed([*columns, *map(varied, options.vary)], options.samples, options.seed)
     else:
         grid = replace(MEASURED if options.measure else SHORT if options.short else DEFAULT, **axes)
-    deviations = parameter_deviations(options.variator) if options.bands else {}
-    if options.bands and not deviations:
-        raise ArgumentError(f"--bands: no parameter of {options.variator} has a known deviation")
-    return Study(options.fmu, variator(options.variator, options.ring, dict(options.set), grid.columns), grid, deviations)
+    parameters = variator(options.variator, options.ring, dict(options.set), grid.columns)
+    return Study(options.fmu, parameters, grid, *sensitivities(options))
 
 
 def _run(study: Study, options: argparse.Namespace, scheduler: Any) -> console.Done:

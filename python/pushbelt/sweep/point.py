@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -15,6 +16,7 @@ from pushbelt.fmu.bands import DEVIATION, bands, increased
 from pushbelt.fmu.closing import closing_at
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.enumerations import Axial, Drive
+from pushbelt.fmu.gradients import NOTHING, Asked, rates
 from pushbelt.fmu.steady import SteadyStates, driven_by_torque
 from pushbelt.fmu.unit import TRUTHS, UnitError
 from pushbelt.study.tasks import Row
@@ -60,20 +62,34 @@ def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, flo
     return values | {name: value for name, value in point.items() if name not in STANDARD}
 
 
-def solve(states: SteadyStates, values: Mapping[str, float], deviations: Mapping[str, float] = MappingProxyType({})) -> Row:
-    """The steady state at these start values after a short step, and bands by standard deviations of parameters. Raises UnitError if there is
-    none or if a call of the FMU fails."""
-    own: dict[str, Any] = {}
-    if deviations:
-        known = {**states.parameters, **values}
-        found = bands(states, lambda changes: {**values, **increased(states.unit.variables, known, changes)}, deviations)
-        own = {f"{name}{DEVIATION}": found[name] for name in BANDS} | {f"{name} by": ", ".join(found.largest(name)) for name in BANDS}
+def slope(output: str, name: str) -> str:
+    """Column of the derivative of an output."""
+    return f"d {output}/d {name}"
+
+
+def solve(
+    states: SteadyStates, values: Mapping[str, float], deviations: Mapping[str, float] = MappingProxyType({}), asked: Asked = NOTHING
+) -> Row:
+    """The steady state at these start values after a short step, with derivatives, and bands by standard deviations of parameters. Raises
+    UnitError if there is none or if a call of the FMU fails."""
     unit = states.at(values)
-    before = unit.get("thrustRatio")
+    start, near, own, remarks = unit.outputs(), unit.state(), dict[str, Any](), list[str]()
+    try:
+        slopes = asked.of(unit, partial(rates, values)) if asked.names else {}
+        found = ((slope(output, name), one) for output, of in slopes.items() for name, one in zip(asked.names, of.tolist(), strict=True))
+        own = {title: one for title, one in found if math.isfinite(one)}
+    except UnitError as error:
+        remarks = [str(error)]
+    before = start["thrustRatio"]
     unit.step_to(SHORT_STEP)
     outputs = unit.outputs()
     if not all(math.isfinite(value) for value in outputs.values()):
         raise UnitError("an output is not finite")
     drift = outputs["thrustRatio"] / before - 1.0 if before else 0.0
     truths = {name: bool(outputs[name]) for name in TRUTHS}
-    return outputs | truths | {"drift": drift, "remarks": "; ".join(unit.warnings) or None, "reason": None} | own
+    remarks += unit.warnings
+    if deviations:
+        known = {**states.parameters, **values}
+        spread = bands(states, start, near, lambda changes: {**values, **increased(unit.variables, known, changes)}, deviations)
+        own |= {f"{name}{DEVIATION}": spread[name] for name in BANDS} | {f"{name} by": ", ".join(spread.largest(name)) for name in BANDS}
+    return outputs | truths | {"drift": drift, "remarks": "; ".join(remarks) or None, "reason": None} | own

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -31,21 +32,28 @@ FEW = 12  # Largest number of failed points that are listed individually
 SHOWN = (
     *QUANTITIES, Quantity("losses", "loss.total", unit="W"), Quantity("largest stress of the ring", "ring.stressMax", 1e-6, "MPa"),
 )  # fmt: skip
+LISTED = 16  # Largest number of values of a column of points that are listed
 LENGTHS = {"m": (1e3, "mm"), "rad": (1e3, "mrad")}  # Scale and unit of lengths and angles
 LARGE = 1e5  # Stiffnesses in N and other values above this are shown in SI units
 MOST_COLUMNS = 12  # Largest number of columns with figures: those of the largest correlations
 
 
+def _numbers(table: pa.Table) -> pandas.DataFrame:
+    names = [field.name for field in table.schema if not pa.types.is_string(field.type)]
+    return table.select(names).to_pandas().astype(float).set_index("point")
+
+
 def data_set(grid: Points, table: pa.Table) -> xarray.Dataset:
     """The numbers of the results over the axes of a grid, or over the points of a design, NaN where there is no steady state, and
     the mask `steady`."""
-    names = [field.name for field in table.schema if not pa.types.is_string(field.type)]
-    numbers = table.select(names).to_pandas().astype(float).set_index("point")
+    numbers = _numbers(table)
     if isinstance(grid, Grid):
         axes = {name: getattr(grid, name) for name in AXES}
         numbers = numbers.drop(columns=axes.keys() & numbers.keys())
         numbers.index = pandas.MultiIndex.from_product(axes.values(), names=axes)
     found = numbers.to_xarray()
+    for name in found:
+        found[name].attrs = {key.decode(): text.decode() for key, text in table.schema.field(name).metadata.items()}
     return found.assign(steady=found.thrustRatio.notnull())
 
 
@@ -65,16 +73,16 @@ def evaluate(results: xarray.Dataset) -> list[Check]:
     power = np.maximum(results["primary.power"], results["secondary.power"])
     # Powers are those of the belt, so they exclude the drag of the shafts.
     gap = results["primary.power"] + results["secondary.power"] - results["loss.total"] + results["loss.shafts"]
-    limits = (
-        ("Losses of the belt sum to its net power within 0.2 % of the driving power", (gap / power).where(power > 1.0, 0.0), 0.2),
-        # With saturated friction a small change of load is a large change of slip, so these points are excluded.
-        ("Steady states are stationary: thrust ratio constant over a step of 1 ms within 0.01 %", results.drift.where(held, 0.0), 0.01),
-    )
-    found = []
-    for statement, values, limit in limits:
+
+    def small(statement: str, values: DataArray, limit: float) -> Check:
         inside = 100.0 * abs(values).where(steady)
-        worst = float(inside.max()) if steady.any() else 0.0
-        found.append(_check(results, statement, inside > limit, int(steady.sum()), f"at most {worst:.2g} %"))
+        return _check(results, statement, inside > limit, int(steady.sum()), f"at most {float(inside.max()):.2g} %")
+
+    found = [
+        small("Losses of the belt sum to its net power within 0.2 % of the driving power", (gap / power).where(power > 1.0, 0.0), 0.2),
+        # With saturated friction a small change of load is a large change of slip, so these points are excluded.
+        small("Steady states are stationary: thrust ratio constant over a step of 1 ms within 0.01 %", results.drift.where(held, 0.0), 0.01),
+    ]
     return found if "point" in results.dims else [*found, *_checks_of_grid(results)]
 
 
@@ -114,7 +122,9 @@ def contours(results: xarray.Dataset) -> dict[str, Chart]:
     """Charts of all quantities by heading: one chart per clamping force, with one map per friction and speed."""
     end = " at {:.1f} kN" if results.sizes["force"] > 1 else ""
     deviations = (replace(one, name=f"standard deviation of {one.name}", column=one.column + DEVIATION, levels=None) for one in QUANTITIES)
-    places = itertools.product(results.force.values, [*QUANTITIES, *(one for one in deviations if one.column in results)])
+    titles = {str(name): one.unit for name, one in results.items() for shown in QUANTITIES if str(name).startswith(f"d {shown.column}/")}
+    slopes = (Quantity(name, name, unit=unit) for name, unit in titles.items())
+    places = itertools.product(results.force.values, [*QUANTITIES, *(one for one in deviations if one.column in results), *slopes])
     return {one.heading + end.format(1e-3 * force): _contours(results.sel(force=force), one) for force, one in places}
 
 
@@ -136,15 +146,9 @@ def _contours(results: xarray.Dataset, quantity: Quantity) -> Chart:
 def carried(utilisation: Array, holds: np.ndarray) -> Array:
     """Least and greatest utilisation that is carried at each ratio: between the last point that holds and the next one.
     `holds` is over ratio × utilisation. NaN where all points hold, or none."""
-    between = 0.5 * (utilisation[1:] + utilisation[:-1])
-    border = np.full((2, len(holds)), np.nan)
-    for k, line in enumerate(holds):
-        places = np.flatnonzero(line)
-        if places.size and places[0] > 0:
-            border[0, k] = between[places[0] - 1]
-        if places.size and places[-1] < len(utilisation) - 1:
-            border[1, k] = between[places[-1]]
-    return border
+    borders = np.concatenate([[np.nan], 0.5 * (utilisation[1:] + utilisation[:-1]), [np.nan]])
+    ends = np.array([holds.argmax(axis=1), holds.shape[1] - holds[:, ::-1].argmax(axis=1)])
+    return np.where(holds.any(axis=1), borders[ends], np.nan)
 
 
 def cuts(results: xarray.Dataset) -> Chart:
@@ -167,39 +171,30 @@ def cuts(results: xarray.Dataset) -> Chart:
 
 def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
     """Writes the report and returns its path."""
-    path = folder / "report.html"
-    results = data_set(study.grid, table)
-    context = _common(study, table, effort) | {"checks": evaluate(results) if results.steady.any() else []}
-    if isinstance(study.grid, Design):
-        write_html("sweep/design.html.j2", context | _of_design(study, table), path)
-    else:
-        write_html("sweep/sweep.html.j2", context | _of_grid(study, results), path)
+    results, numbers, names = data_set(study.grid, table), _numbers(table), list(study.grid.columns)
+    reasons = Counter(filter(None, table["reason"].to_pylist()))
+    about = {field.name: {key.decode(): text.decode() for key, text in field.metadata.items()} for field in schema(study)}
+    ranges = {quantity: quantity.scale * numbers[quantity.column].dropna() for quantity in SHOWN}
+    context = {
+        "design": None, "cut": None,
+        "version": study.description.version or "", "identity": study.identity, "points": len(table), "effort": effort,
+        "reasons": reasons.most_common(), "failed_count": reasons.total(), "metadata_key": METADATA.decode(),
+        "columns": [(name, one["unit"], one["description"]) for name, one in about.items()],
+        "parameters": [(name, _shown(study.variables[name], value), study.variables[name].unit or "1") for name, value in study.parameters.items()],
+        "quantities": [(quantity, (values.min(), values.max())) for quantity, values in ranges.items()],
+        "slipping": int((numbers.pastPeak == 1.0).sum()), "checks": evaluate(results) if results.steady.any() else [],
+        "failed": [(int(one.name), *map("{:g}".format, one)) for _, one in numbers[numbers.thrustRatio.isna()][names].head(FEW).iterrows()],
+        "columns_of_points": [(name, about[name]["unit"], _values(numbers[name])) for name in names],
+    }  # fmt: skip
+    own = _of_design(study.grid, numbers, about) if isinstance(study.grid, Design) else _of_grid(results)
+    write_html("sweep/sweep.html.j2", context | own, path := folder / "report.html")
     return path
 
 
-def _common(study: Study, table: pa.Table, effort: Effort) -> dict[str, Any]:
-    reasons = Counter(filter(None, table["reason"].to_pylist()))
-    return {
-        "version": study.description.version or "", "identity": study.identity, "points": len(table), "effort": effort,
-        "reasons": reasons.most_common(), "failed_count": reasons.total(), "metadata_key": METADATA.decode(),
-        "columns": [(field.name, {key.decode(): text.decode() for key, text in field.metadata.items()}) for field in schema(study)],
-        "parameters": [
-            (name, _shown(study.variables[name], value), study.variables[name].unit or "1") for name, value in study.parameters.items()
-        ],
-    }  # fmt: skip
-
-
-def _of_grid(study: Study, results: xarray.Dataset) -> dict[str, Any]:
-    grid, steady = study.grid, results.steady
-    middle = results.isel(force=results.sizes["force"] // 2).sel(friction=0.09, speed=209.44, method="nearest")
-    return {
-        "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
-        "steady": {name: results[name].values[steady.values] for name in ("thrustRatio", "efficiency", "slip", "pastPeak")},
-        "failed": names_of(results, ~steady)[:FEW],
-        "cut": {"picture": cuts(middle), "rpm": RPM * float(middle.speed)}
-        | {name: float(middle[name]) for name in ("friction", "force")},
-        "maps": contours(results),
-    }
+def _values(column: pandas.Series) -> str:
+    """All values of a column of points, or the least and the greatest."""
+    found = sorted(column.unique())
+    return ", ".join(f"{value:g}" for value in found) if len(found) <= LISTED else f"{found[0]:.5g} – {found[-1]:.5g}"
 
 
 def _shown(variable: Any, value: float) -> str:
@@ -209,30 +204,21 @@ def _shown(variable: Any, value: float) -> str:
     return f"{value:g}"
 
 
-def _of_design(study: Study, table: pa.Table) -> dict[str, Any]:
-    names = list(study.grid.columns)
-    rows = table.to_pandas()
-    numbers = rows.drop(columns=["remarks", "reason"]).astype(float)
-    columns = [quantity.column for quantity in SHOWN]
+def _of_grid(results: xarray.Dataset) -> dict[str, Any]:
+    middle = results.isel(force=results.sizes["force"] // 2).sel(friction=0.09, speed=209.44, method="nearest")
+    about = {name: float(middle[name]) for name in ("friction", "force")}
+    return {"cut": {"picture": cuts(middle), "rpm": RPM * float(middle.speed), **about}, "charts": contours(results).items()}
+
+
+def _of_design(design: Design, numbers: pandas.DataFrame, about: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
+    names, columns = list(design.columns), [quantity.column for quantity in SHOWN]
     # By rank: 1 where a quantity rises with a column at all points, NaN where either is constant.
     correlations = numbers[[*names, *columns]].corr("spearman", min_periods=3).loc[names, columns]
     strongest = correlations.abs().max(axis=1).fillna(0.0).sort_values(ascending=False, kind="stable").index
-    failed = rows[rows.reason.notna()]
-    units = {field.name: field.metadata[b"unit"].decode() for field in schema(study)}
     return {
-        "design": study.grid,
-        "failed": [
-            {"point": one.point, "values": one[names].tolist(), "reason": one.reason} for _, one in failed.head(FEW).iterrows()
-        ],
-        "quantities": [(quantity, _range(quantity.scale * numbers[quantity.column])) for quantity in SHOWN],
-        "ranges": [(name, units[name], _range(numbers[name])) for name in names],
-        "correlations": [(name, correlations.loc[name].tolist()) for name in strongest],
-        "charts": [(name, _scatter(numbers, name, units[name])) for name in strongest[:MOST_COLUMNS]],
-    }
-
-
-def _range(values: pandas.Series) -> tuple[float, float] | None:
-    return (values.min(), values.max()) if values.notna().any() else None
+        "design": design, "correlations": [(name, correlations.loc[name].tolist()) for name in strongest],
+        "charts": [(name, _scatter(numbers, name, about[name]["unit"])) for name in strongest[:MOST_COLUMNS]],
+    }  # fmt: skip
 
 
 def _scatter(numbers: pandas.DataFrame, name: str, unit: str) -> Chart:

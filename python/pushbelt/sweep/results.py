@@ -15,7 +15,7 @@ from pushbelt.fmu.unit import TRUTHS, output_names
 from pushbelt.study.tasks import Row
 from pushbelt.whole_file import write_whole
 
-from .point import BANDS, SHORT_STEP, capacity
+from .point import BANDS, SHORT_STEP, capacity, slope
 from .study import AXES, Study
 
 METADATA = b"pushbelt.study"  # Key of the study's description (JSON) in the metadata of the results
@@ -26,15 +26,18 @@ def schema(study: Study) -> pa.Schema:
     number, variables = pa.float64(), study.variables
     axes = [axis.column for axis in AXES.values()]
     # Columns of a design are among the parameters and inputs.
-    outputs = dict.fromkeys(("primary.torque", *study.grid.columns, *output_names(variables.values())))
+    units = {name: one.unit or "1" for name, one in variables.items()}
+    own = {name: units[name] for name in output_names(variables.values())}
+    outputs = dict.fromkeys(("primary.torque", *study.grid.columns, *own))
     banded = BANDS if study.deviations else ()
     columns = [
         ("point", pa.int64(), "1", "Index of the point in the study"),
         *((axis.column, number, axis.unit, axis.description) for axis in AXES.values()),
-        *((name, number, variables[name].unit or "1", variables[name].description) for name in outputs if name not in axes),
+        *((name, number, units[name], variables[name].description) for name in outputs if name not in axes),
         *((name, pa.bool_(), "1", variables[name].description) for name in TRUTHS),
-        *((name + DEVIATION, number, variables[name].unit or "1", f"Standard deviation of {name}") for name in banded),
+        *((name + DEVIATION, number, units[name], f"Standard deviation of {name}") for name in banded),
         *((f"{name} by", pa.string(), "", f"Parameters that make most of the deviation of {name}") for name in banded),
+        *((slope(output, over), number, unit, text) for output, over, unit, text in study.asked.columns(own, variables)),
         ("drift", number, "1", f"Change of the thrust ratio over the step of {SHORT_STEP} s, relative"),
         ("remarks", pa.string(), "", "Warnings of the FMU"),
         ("reason", pa.string(), "", "Reason for a missing steady state; null with a steady state"),

@@ -10,7 +10,8 @@ from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 from pushbelt.errors import ArgumentError
-from pushbelt.fmu import bands, capacity, closing, steady
+from pushbelt.fmu import bands, capacity, closing, gradients, steady
+from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.start_values import checked
 from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
@@ -87,6 +88,7 @@ class Study(Tasks):
 
     grid: Grid | Design = DEFAULT
     deviations: Mapping[str, float] = field(default_factory=dict)  # Standard deviations of parameters, for bands
+    asked: Asked = gradients.NOTHING  # Derivatives; points with a primary force keep the forces
 
     def __post_init__(self) -> None:
         parameters = checked(self.variables, self.parameters, {"parameter"})
@@ -95,15 +97,17 @@ class Study(Tasks):
         if taken := parameters.keys() & {*self.grid.columns, *fixed}:
             raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
+        given = any("initial.equilibrium" in point.ACTING.get(name, ()) for name in self.grid.columns)
+        object.__setattr__(self, "asked", self.asked.checked(self.variables, ["forces"] if given else gradients.HELD))
 
-    procedure = (point, steady, closing, bands)
+    procedure = (point, steady, closing, bands, gradients)
 
     @property
     def measure(self) -> Any:
-        return partial(point.solve, deviations=self.deviations)
+        return partial(point.solve, deviations=self.deviations, asked=self.asked)
 
     def document(self) -> dict[str, Any]:
-        return {"parameters": dict(self.parameters), "grid": asdict(self.grid), **({"deviations": dict(self.deviations)} if self.deviations else {})}
+        return {"parameters": dict(self.parameters), "grid": asdict(self.grid), "deviations": dict(self.deviations), "gradient": self.asked}
 
     def tasks(self) -> list[dict[str, float]]:
         return [self.start_values(point) for point in self.grid.points()]
