@@ -127,3 +127,27 @@ fn a_failure_keeps_the_results_so_far() {
     let rows = fs::read_to_string(place.join("medium-0.4.csv")).unwrap();
     assert!(rows.starts_with("time,ratio,thrustRatio"));
 }
+
+/// Lines of the stored results are the cases of their sets.
+#[test]
+fn stored_lines_are_cases_of_their_sets() {
+    let pitch = include_str!("../results/pitch.csv");
+    let tone = include_str!("../../resources/tone.csv");
+    for (set, stored) in [("pitch ", pitch), ("tone ", tone)] {
+        let cases = include_str!("../results/sets.txt")
+            .lines()
+            .filter_map(|l| l.strip_prefix(set));
+        let mut expected: Vec<_> = cases
+            .map(|line| {
+                let (case, settings) = line.split_once(' ').unwrap();
+                let label = settings
+                    .split_once("--label ")
+                    .map(|(_, rest)| rest.split(' ').next().unwrap());
+                label.map_or_else(|| case.to_owned(), |label| format!("{case}-{label}"))
+            })
+            .collect();
+        expected.sort_unstable();
+        let found = stored.lines().skip(1).map(|line| line.split(',').next().unwrap());
+        assert_eq!(found.collect::<Vec<_>>(), expected);
+    }
+}
