@@ -337,13 +337,15 @@ def test_the_first_line_names_a_wrong_value(calibrated, solved: Rows, tmp_path: 
 
 
 def test_a_speed_ratio_is_met_by_the_slip_of_the_model(fmu: Path, archive, solved: Rows) -> None:
-    """The search starts from the slip of the last one."""
+    """The search starts from the slip of the last one, and with its derivatives."""
     ratio, _, torque, _, thrust_ratio, slip, efficiency = solved[1]
-    for guess, most in ((0.0, 3), (slip + 1e-4, 2), (slip, 2)):
-        point = Point(0, "", None, ratio / (1.0 - slip), SPEED, torque, FORCE, None, SLIP, guess)
+    by_ratio: tuple[float, ...] = ()
+    for guess, most in ((0.0, 3), (slip + 1e-4, 2), (slip + 1e-6, 1)):
+        point = Point(0, "", None, ratio / (1.0 - slip), SPEED, torque, FORCE, None, SLIP, guess, by_ratio=by_ratio)
         found = worker.solve(fmu, archive.directory, BASE, point)
-        assert found.values == pytest.approx({"thrustRatio": thrust_ratio, "slip": slip, "efficiency": efficiency}, rel=1e-3)
+        assert found.values == pytest.approx({"thrustRatio": thrust_ratio, "slip": slip, "efficiency": efficiency}, abs=1e-6)
         assert found.solves <= most
+        by_ratio = found.by_ratio
 
 
 def test_recorded_shifts_are_simulated(fmu: Path, archive) -> None:

@@ -100,6 +100,8 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--prior", type=prior, action="append", default=[], metavar="NAME=VALUE±SD", help=known)  # fmt: skip
     text = "fit a friction.pulley that is a linear function of a column, such as T_oil, about its mean"
     found.add_argument("--friction-over", metavar="COLUMN", help=text)
+    text = "fit a friction.pulley of each group of points with the same cell in a column, such as an oil or a day"
+    found.add_argument("--friction-by", metavar="COLUMN", help=text)
     found.add_argument("--accept-misfit", action="store_true", help="exit code 0 also for a fit that is bad, instead of 3")
     add_variator(found)
     add_set(found, "fixed value of a parameter")
@@ -207,6 +209,8 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     if rig is None or options.plan is not None:
         return _plan(options, fmu, base, chosen, rig.points if rig else [])
     laws = [misfit.friction_over(rig, options.friction_over, chosen)] if options.friction_over else []
+    groups = misfit.friction_by(rig, options.friction_by, chosen) if options.friction_by else None
+    laws += groups.causes if groups else []
     chosen += [law.size for law in laws]
     begin = time.perf_counter()
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
@@ -214,11 +218,14 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * cost(rig)) as opened:
         fitted = misfit.with_causes(opened, laws)
         found = fit(fitted, chosen)
-        causes, trends = ([], []) if rig.recorded else (misfit.search(rig, fitted, chosen, found), misfit.trends(rig, fitted, found))
-    said = [misfit.sentence(rig, found, cause) for cause in causes]
+        trends = [] if rig.recorded else misfit.trends(rig, fitted, found)
+        certain = [] if rig.recorded else misfit.ratio_of_speeds(rig, found)
+        causes = [] if rig.recorded or certain else misfit.search(rig, fitted, chosen, found)
+    said = certain or [misfit.sentence(rig, found, cause) for cause in causes]
     if not found.misfit and causes and found.rms[1] > SUSPECT and causes[0].fit.rms[1] < 0.5 * found.rms[1]:
         found = found._replace(misfit=f"an error of the table leaves {causes[0].fit.rms[1]:.3g} standard deviations in place of {found.rms[1]:.3g}")
-    about = (time.perf_counter() - begin, points.notes(rig.sheet), said, trends, [law.advice for law in laws])
+    holding = [*filter(None, (law.advice for law in laws)), *(misfit.compared(groups, found) if groups else [])]
+    about = (time.perf_counter() - begin, points.notes(rig.sheet), said, trends, holding)
     results = report.Results(options.table.name, description.version or "", options.variator, base, fitted, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)
     report.write_residuals(results, options.output / "residuals.csv")
