@@ -11,8 +11,8 @@ The table is CSV as rigs and spreadsheets write it, or .xlsx, with one row per p
 Cells may be empty. --template FILE writes such a table with the meaning of each column; --check prints what is understood.
 With the columns series and time, each series is a recorded shift and its rows are the samples.
 
-A solution takes about 0.01 s of processor time per point, the first one and one without a state near by 0.03 s. A fit takes about four
-solutions per point and parameter, and twenty more. A speed ratio takes 1.5 times as long, a shift rate about fifteen times.
+A solution takes about 0.01 s of processor time per point, the first one and one without a state near by 0.03 s. A fit takes about eleven
+solutions per point and parameter, and ten more. A speed ratio takes 1.2 times as long, a shift rate about fifteen times.
 
 --plan N writes the N points that narrow the intervals of the fitted parameters most to plan.csv, a table to fill in. They add to TABLE, if there is
 one, at the parameters of --variator. Their limits are those of TABLE or of --within.
@@ -50,7 +50,7 @@ SUSPECT = 1.5  # Root mean square of the residuals, in standard deviations, abov
 MISFIT = 3  # Exit code of a bad fit
 PLANNED = 0.012  # Processor time of a steady state of a planned point, s
 SOLUTION = 0.008  # Processor time of a steady state near another one, s
-SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 15.0, 1.5, 4.0
+SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 15.0, 1.2, 4.0
 """Cost of a shift rate, of the search for a speed ratio, and of a sample of a recorded shift, in steady states."""
 
 
@@ -192,8 +192,8 @@ def cost(rig: points.Rig) -> float:
 
 
 def sets(parameters: int) -> int:
-    """Number of solutions of all points in a fit of so many parameters, and for the tests of its residuals."""
-    return 25 + 4 * parameters
+    """Number of solutions of all points in a fit of so many parameters, six of derivatives and five trials for each, and for the tests of its residuals."""
+    return 10 + 11 * parameters
 
 
 def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
