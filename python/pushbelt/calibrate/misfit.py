@@ -313,33 +313,30 @@ def _tested(tested: Array, basis: Array, residuals: Array) -> tuple[Array, Array
 
 
 def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found: Fit, some: Sequence[Cause]) -> Array:
-    """Derivatives of the residuals with respect to the sizes of causes, by those with respect to the conditions of the points."""
+    """Derivatives of the residuals with respect to the sizes of causes, by those with respect to the friction and the conditions of the points."""
+
+    def conditions(jobs: Sequence[Job]) -> Array:
+        return np.array([[values.get(FRICTION, 0.0), *(getattr(point, name) or 0.0 for name in FIELDS)] for values, point in jobs])
 
     def moved(name: str, values: Values, point: Point, change: float) -> Job:
         value = getattr(point, name)
         return values, point if value is None else replace(point, **{name: value + change})
 
-    place, conditions = model.values["point"].to_numpy(), []
-    for name in FIELDS:
-        own = np.array([getattr(point, name) for point in model.points], dtype=float)
-        if np.nan_to_num(own).any():
-            size = additional(name, "1", float(np.sqrt(np.nanmean(own**2))))
-            conditions.append(Cause(size, partial(moved, name)))
-    sizes, at = [one.size for one in conditions], np.zeros(len(conditions))
-    by_condition = with_causes(model, conditions).slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after)
-    slopes = np.zeros((len(found.residuals), len(some)))
-    residuals = _bounded(found)[: len(place)]
+    place, before = model.values["point"].to_numpy(), conditions([(fixed, point) for point in model.points])
+    scales = np.sqrt(np.mean(before**2, axis=0))
+    sizes = [additional(name, "1", float(scale)) for name, scale in zip(FIELDS, scales[1:], strict=True) if scale > 0.0]
+    with_sizes, at = with_causes(model, [Cause(size, partial(moved, size.name)) for size in sizes]), np.zeros(len(sizes))
+    by = np.zeros((len(place), len(scales)))
+    by[:, 1:][:, scales[1:] > 0.0] = with_sizes.slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after) / scales[1:][scales[1:] > 0.0]
+    for k, one in enumerate(parameters):
+        if one.name == FRICTION:
+            by[:, 0] = found.slopes[: len(place), k] / (fixed[FRICTION] if one.logarithmic else one.start)
+    slopes, residuals = np.zeros((len(found.residuals), len(some))), _bounded(found)[: len(place)]
     old = np.array([one.value for point in model.points for one in point.measured])
     for k, cause in enumerate(some):
         jobs = [cause.change(fixed, point, cause.size.value(cause.size.coordinate(cause.size.start) + models.STEP)) for point in model.points]
         new = np.array([(one.value, one.deviation) for _, point in jobs for one in point.measured])
-        column = (model.deviations * residuals + old - new[:, 0]) / new[:, 1] - residuals
-        for one, own in zip(sizes, by_condition.T, strict=True):
-            pairs = ((getattr(new, one.name), getattr(point, one.name)) for (_, new), point in zip(jobs, model.points, strict=True))
-            column += own * np.array([one.coordinate((after or 0.0) - (before or 0.0)) for after, before in pairs])[place]
-        for one, own in zip(parameters, found.slopes.T, strict=True):
-            if one.name == FRICTION:
-                column += own[: len(place)] * np.array([one.coordinate(values[FRICTION]) - one.coordinate(fixed[FRICTION]) for values, _ in jobs])[place]
+        column = (model.deviations * residuals + old - new[:, 0]) / new[:, 1] - residuals + np.sum(by * (conditions(jobs) - before)[place], axis=1)
         slopes[: len(place), k] = column / models.STEP
     return slopes
 
