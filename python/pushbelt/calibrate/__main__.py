@@ -1,14 +1,7 @@
 """Fits parameters of the FMU to a table of measured steady points.
 
-The table is CSV as rigs and spreadsheets write it, or .xlsx, with one row per point. Columns have the unit in the header, like
-`primary.speed [rpm]`, or in the row below:
-
-    ratio.geometric, or ratio.speed (i), or secondary.speed (n_S); primary.speed (n_P); primary.torque (T_P)
-    secondary.clampingForce (F_S), or secondary.pressure (p_S) with --set secondary.cylinder.area=A
-    any of thrustRatio, slip, efficiency, primary.clampingForce (F_P), secondary.torque (T_S), di/dt or ds/dt
-    their standard deviations, like slip.sd [%]; name
-
-Cells may be empty. --template FILE writes such a table with the meaning of each column; --check prints what is understood.
+The table is CSV as rigs and spreadsheets write it, or .xlsx, with one row per point: ratio, speed, torque and force, and any of thrust ratio, slip,
+efficiency, forces, torques and shift rates. --template FILE writes one with the meaning of each column; --check prints what is understood.
 With the columns series and time, each series is a recorded shift and its rows are the samples.
 
 A solution takes about 0.01 s of processor time per point, the first one and one without a state near by 0.03 s. A fit takes about eleven
@@ -177,23 +170,18 @@ def once(rig: points.Rig) -> points.Rig:
 
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
     """Number of points, and the time that a fit takes."""
-    seconds = sets(parameters) * SOLUTION * cost(rig) / workers
+    seconds = SOLUTION * solutions(rig, parameters) / workers
     text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
     return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
 
 
-def cost(rig: points.Rig) -> float:
-    """Cost of a solution of all points, in steady states."""
-    return sum(
+def solutions(rig: points.Rig, parameters: int) -> float:
+    """Number of steady states in a fit, or their cost: six of derivatives and five of trials for each parameter, and those of the tests of residuals."""
+    return (10 + 11 * parameters) * sum(
         SAMPLE_COST * len(point.measured) if point.samples
         else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
         for point in rig.points
     )  # fmt: skip
-
-
-def sets(parameters: int) -> int:
-    """Number of solutions of all points in a fit of so many parameters, six of derivatives and five trials for each, and for the tests of its residuals."""
-    return 10 + 11 * parameters
 
 
 def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
@@ -215,7 +203,7 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     begin = time.perf_counter()
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
-    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * cost(rig)) as opened:
+    with model.opened(fmu, base, rig.points, options.workers, solutions(rig, len(chosen))) as opened:
         fitted = misfit.with_causes(opened, laws)
         found = fit(fitted, chosen)
         trends = [] if rig.recorded else misfit.trends(rig, fitted, found)

@@ -177,19 +177,16 @@ def compared(groups: Groups, found: Fit) -> list[str]:
     if missing := [name for name in wanted if name not in names]:
         return [f"the groups of {groups.column} can't be compared: the table does not determine {missing[0]}"]
     at = [names.index(name) for name in wanted]
-    squares = spread.correlations[np.ix_(at, at)] * np.outer(spread.halves[at], spread.halves[at])
-    values, scale = np.array([found.determined[k].value for k in at]), found.determined[at[0]].parameter.start
-    # All coordinates are shares of the same start value.
-    sums = np.eye(len(at))
-    sums[:, 0] = 1.0
-    halves = scale * np.sqrt(np.diag(sums @ squares @ sums.T))
-    count, away = len(groups.causes), values[1:] / scale
-    quantile = student.ppf(0.5 + 0.5 * CONFIDENCE, spread.freedom)
+    own = [found.determined[k] for k in at]
+    halves = spread.halves[at] * [one.value if one.parameter.logarithmic else one.parameter.scale or one.parameter.start for one in own]
+    squares, away = spread.correlations[np.ix_(at, at)] * np.outer(halves, halves), np.array([one.value for one in own[1:]])
+    quantile, count = student.ppf(0.5 + 0.5 * CONFIDENCE, spread.freedom), len(away)
     chance = fisher.sf(quantile**2 * away @ np.linalg.solve(squares[1:, 1:], away) / count, count, spread.freedom)
-    lines = [
-        f"{FRICTION} of {groups.column} = {name} ({points} points): {value:.5g} (95 %: {value - half:.5g} to {value + half:.5g})"
-        for (name, points), value, half in zip(groups.counts.items(), (sums @ values).tolist(), halves.tolist(), strict=True)
-    ]
+    lines = []
+    for k, (name, points) in enumerate(groups.counts.items()):
+        sums = [0, k] if k else [0]
+        value, half = sum(own[m].value for m in sums), float(np.sqrt(squares[np.ix_(sums, sums)].sum()))
+        lines.append(f"{FRICTION} of {groups.column} = {name} ({points} points): {value:.5g} (95 %: {value - half:.5g} to {value + half:.5g})")
     verdict = "differ" if chance < CHANCE else "differ by no more than scatter"
     return [*lines, f"the frictions of the {count + 1} groups {verdict} (chance {chance:.1g})"]
 

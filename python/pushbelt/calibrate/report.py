@@ -197,7 +197,7 @@ def write_html(results: Results, path: Path) -> None:
     used = rows[rows["found"].notna() & rows["kept"]]
     names, correlations = [estimate.parameter.name for estimate in found.determined], found.spread.correlations
     context = {
-        "results": results, "fit": found, "used": len(used), "outliers": outliers(results), "rms": found.rms,
+        "results": results, "fit": found, "used": len(used), "outliers": outliers(results),
         "lost_values": int(rows["reason"].notna().sum()),
         "quantities": [_quantity(results, q) for q in quantities(rows) if len(of(rows, q))],
         "assumed": list(rows["quantity"][~rows["given"]].unique()),
@@ -211,8 +211,7 @@ def write_html(results: Results, path: Path) -> None:
         ],
         "worst": list(used.sort_values("relative", key=abs, ascending=False, kind="stable")[:WORST].itertuples()),
         "priors": [estimate.parameter.name for estimate in found.estimates if estimate.parameter.prior],
-        "step": model.STEP, "lost_residual": model.LOST, "undetermined": fit.UNDETERMINED,
-        "settling": worker.SETTLING, "window": worker.WINDOW,
+        "step": model.STEP, "undetermined": fit.UNDETERMINED, "settling": worker.SETTLING, "window": worker.WINDOW,
     }  # fmt: skip
     page.write_html("calibrate/calibrate.html.j2", context, path, plain=model.plain)
 
