@@ -94,14 +94,15 @@ def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
         new, found = [changed(*job) for job in jobs], []
         # A size that some points do not have gives equal jobs.
         keys = [(tuple(values.items()), point) for values, point in new]
-        solved = dict(zip(dict.fromkeys(keys), model.solve(list(dict(zip(keys, new, strict=True)).values())), strict=True))
+        distinct = dict(zip(keys, new, strict=True))
+        solved = dict(zip(distinct, model.solve(list(distinct.values())), strict=True))
         for key, (_, point), (_, measured) in zip(keys, jobs, new, strict=True):
-            one = solved[key]
-            solved[key] = one._replace(solves=0)
-            pairs = {old.key or old.quantity: (old, new) for old, new in zip(point.measured, measured.measured, strict=True)}
-            residuals = {name: (one.values[name] - new.value) / new.deviation for name, (_, new) in pairs.items() if name in one.values}
-            more = {name: pairs[name][0].value + pairs[name][0].deviation * residual for name, residual in residuals.items()}
-            found.append(one._replace(values={**one.values, **more}))
+            values = dict(solved[key].values)
+            for one, other in zip(point.measured, measured.measured, strict=True):
+                if (name := one.key or one.quantity) in values:
+                    values[name] = one.value + one.deviation / other.deviation * (values[name] - other.value)
+            found.append(solved[key]._replace(values=values))
+            solved[key] = solved[key]._replace(solves=0)
         return found
 
     return Model(model.points, solve, model.most_solves)
