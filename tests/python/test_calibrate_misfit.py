@@ -118,15 +118,15 @@ def test_frictions_of_groups_have_intervals_and_are_compared(slope: float, verdi
             misfit.friction_by(rig, title, PARAMETERS)
 
 
-def test_a_ratio_of_the_speeds_is_certain(tmp_path: Path) -> None:
-    def speeds(c: Columns, slip: float) -> Columns:
+@pytest.mark.parametrize("slip", [0.0, 1.0])
+def test_a_ratio_of_the_speeds_is_certain(slip: float, tmp_path: Path) -> None:
+    def speeds(c: Columns) -> Columns:
         turns = c["i_geo"] / (1.0 - c["slip"])
         return c | {"n_S [rad/s]": c["n_P [rad/s]"] / turns, "i_geo": turns * (1.0 - slip * c["slip"])}
 
-    for slip in (0.0, 1.0):
-        rig = table(tmp_path / "table.csv", 5, lambda c, slip=slip: speeds(c, slip))
-        named = misfit.ratio_of_speeds(rig, fit.fit(Model(rig.points, solve), PARAMETERS))
-        assert len(named) == (slip == 0.0) and all('--map "i_geo=ratio.speed"' in text for text in named)
+    rig = table(tmp_path / "table.csv", 5, speeds)
+    named = misfit.ratio_of_speeds(rig, fit.fit(Model(rig.points, solve), PARAMETERS))
+    assert ['--map "i_geo=ratio.speed"' in text for text in named] == [True] * (slip == 0.0)
 
 
 def test_a_trend_over_an_unknown_column_is_found(tmp_path: Path) -> None:
