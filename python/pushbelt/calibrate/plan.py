@@ -176,6 +176,7 @@ def write(found: Plan, path: Path) -> list[str]:
     units = {name: usual(CONDITIONS[name].dimension)[0] if name in CONDITION else "1" for name in names}
     cells = [cell for one in measured for cell in ("", one.deviation)[: 1 + one.given]]
     rows = [[f"{k} {name}", *row, *cells] for k, (name, row) in enumerate(zip(served, _conditions(found.points).tolist(), strict=True), 1)]
-    remark = "\n# ".join(["Expected half-widths of the 95 % intervals before, after and without one point; a name has the parameter that the point serves.", *lines])
+    about = "Expected half-widths of the 95 % intervals before, after and without one point; a name has the parameter that the point serves."
+    remark = "\n# ".join([about, *lines])
     tables.write(path, ["name", *tables.titles(names, units)], rows, digits=5, remark=remark)
     return lines
