@@ -38,6 +38,10 @@ def speeds(c):
     return c | {"i_geo": c["i_geo"] / (1.0 - 0.01 * c["slip"])}
 
 
+def both_speeds(c):
+    return speeds(c) | {"n_S": c["n_P"] / speeds(c)["i_geo"]}
+
+
 def without_oil(c):
     return c | {"F_P": c["F_P"] - OIL * c["n_P"] ** 2, "F_S": c["F_S"] - OIL * (c["n_P"] / c["i_geo"]) ** 2}
 
@@ -54,6 +58,7 @@ def scaled(**factors):
 WITH_EFFICIENCY = {"torque of the other shaft", "pump torque of 3 N.m"}  # Tables that have the efficiency in place of the secondary torque
 FAULTS = {
     "ratio of speeds": speeds,
+    "ratio of speeds, with both of them": both_speeds,
     "ratio + 0.8 %": scaled(i_geo=1.008),
     "torque + 2 N.m": lambda c: c | {"T_P": c["T_P"] + 2.0},
     "torque of the other shaft": lambda c: c | {"T_P": c["T_P"] * c["i_geo"] * 0.01 * c["eta"]},
@@ -105,7 +110,7 @@ def examined(seed: int, fault: str | None) -> tuple[str, float, list[str], list[
     columns = table(seed, fault)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "table.csv"
-        titles = [f"{name} [{COLUMNS[name]}]" for name in columns]
+        titles = [f"{name} [{COLUMNS.get(name, 'rad/s')}]" for name in columns]
         tables.write(path, titles, np.column_stack(list(columns.values())).tolist(), digits=None)
         accuracy = {name: size for name, size in ACCURACY.items() if name in columns}
         rig = points.read(path, Reading(accuracy=accuracy, as_written=True))
@@ -118,8 +123,9 @@ def examined(seed: int, fault: str | None) -> tuple[str, float, list[str], list[
     chosen, opened = parameters.choose(dict.fromkeys(NAMES), {}, archive.variables, base), model.Model(rig.points, solve)
     opened.most_solves = 100 * len(rig.points)
     found = fit.fit(opened, chosen)
-    named, trends = misfit.search(rig, opened, chosen, found), misfit.trends(rig, opened, found)
-    return fault or "none", found.rms[1], [misfit.sentence(rig, found, one) for one in named], [misfit.trend(one) for one in trends if one.significant]
+    trends = [misfit.trend(one) for one in misfit.trends(rig, opened, found) if one.significant]
+    named = misfit.ratio_of_speeds(rig, found) or [misfit.sentence(rig, found, one) for one in misfit.search(rig, opened, chosen, found)]
+    return fault or "none", found.rms[1], named, trends
 
 
 def main(clean: int, faults: list[str]) -> None:

@@ -1,11 +1,14 @@
-"""Ten planned points against thirty points on a grid, over synthetic rigs with fixed seeds:
+"""Ten planned points against thirty points on each of two grids, over synthetic rigs with fixed seeds:
 
-    PYTHONPATH=python python examples/plans.py [rigs, 20]
+    PYTHONPATH=python python examples/plans.py [rigs, 20] [first seed, 100]
 
 A rig varies friction of the pulleys, friction of the ring and play within twice their known deviations. Four points are planned for the parameter
-set `bench168` with the lowest friction of these, and six more for the fit of the four. The grid has five ratios, three torques and two forces within
-the same limits, at 200 rad/s; its largest torque is 0.65 of the capacity of `bench168` at the lower force and the highest ratio. All values have the
-noise of the standard deviations that the tables state.
+set `bench168` with the lowest friction of these, and six more for the fit of the four. A grid has five ratios, three torques and two forces within
+the same limits. The torques of the first one are the same everywhere, at most 0.65 of the capacity of `bench168` at the lower force and the highest
+ratio, at 200 rad/s. Those of the second one are shares of the capacity, at 100 and 300 rad/s in turn. All values have the noise of the standard
+deviations that the tables state.
+
+Expected widths are those of the true parameters and the true scatter, with slopes over 5 %.
 """
 
 import dataclasses
@@ -18,12 +21,18 @@ from coverage import NAMES, NOISE, unpacked
 
 import pushbelt
 from pushbelt.calibrate import fit, model, parameters, plan, worker
+from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.tables.points import Measured, Point
 
 WITHIN = {"ratio.geometric": (0.5, 2.0), "primary.speed": (100.0, 300.0), "primary.torque": (8.0, 120.0), "secondary.clampingForce": (8e3, 20e3)}
-GRID = list(itertools.product(np.geomspace(0.5, 2.0, 5), (8.0, 20.0, 32.0), (8e3, 20e3)))  # Ratio, torque and force
+RATIOS, FORCES = np.geomspace(0.5, 2.0, 5), (8e3, 20e3)
+FIRST = [(ratio, 200.0, torque, force) for ratio, torque, force in itertools.product(RATIOS, (8.0, 20.0, 32.0), FORCES)]
+SECOND = [
+    (ratio, (100.0, 300.0)[k % 2], share * torque_capacity(pushbelt.parameter_set("bench168"), ratio, force), force)
+    for k, (ratio, share, force) in enumerate(itertools.product(RATIOS, (0.2, 0.45, 0.7), FORCES))
+]
 MEASURED = tuple(Measured(name, np.nan, deviation, True) for name, deviation in NOISE.items())
 
 
@@ -57,10 +66,18 @@ class Rig:
         return plan.plan(model.Model([*table, *places], self.solve), len(table), self.chosen(start), values, count).points
 
     def fitted(self, table, start=None):
-        """The fitted values, and half-widths of their intervals in per cent of the true ones; NaN for a parameter without an interval."""
+        """The fitted values, and the half-width of the widest interval in per cent of the true value; NaN if a parameter has none."""
         found = fit.fit(model.Model(table, self.solve), self.chosen(start)).estimates
         halves = [50.0 * np.ptp(one.interval) / self.truth[one.parameter.name] if one.interval else np.nan for one in found]
-        return {one.parameter.name: one.value for one in found}, halves
+        return {one.parameter.name: one.value for one in found}, np.max(halves)
+
+    def expected(self, table):
+        """Half-width of the widest interval, and that without any one point, in per cent."""
+        opened, chosen, at = model.Model(table, self.solve), self.chosen(self.truth), np.ones(len(NAMES))
+        slopes = opened.slopes(chosen, {}, at, opened.states(self.truth), plan.WIDTH)
+        some = [slopes[opened.values["point"] != k] for k in range(-1, len(table))]
+        whole, *lost = (100.0 * plan.halves(one).max() for one in some)
+        return whole, max(lost)
 
 
 def first(_: int = 0):
@@ -71,28 +88,31 @@ def first(_: int = 0):
 
 
 def compared(seed: int, points: list[Point]):
-    """Half-widths with the planned points and with the grid, and numbers of points that the belt carries."""
+    """Widths with the planned points and with the grids, and numbers of points that the belt carries."""
     rig = Rig(seed)
     table = rig.measure(points)
     start, _ = rig.fitted(table)
     table += rig.measure(rig.planned(table, 6, start))
-    grid = rig.measure([Point(0, "", ratio, None, 200.0, torque, force, None, MEASURED) for ratio, torque, force in GRID])
-    return rig.fitted(table, start)[1], rig.fitted(grid)[1], (len(table), len(grid))
+    grids = [rig.measure([Point(0, "", *place[:1], None, *place[1:], None, MEASURED) for place in grid]) for grid in (FIRST, SECOND)]
+    every = [(table, start), *((grid, None) for grid in grids)]
+    return [(rig.fitted(one, begin)[1], *rig.expected(one)) for one, begin in every], [len(one) for one, _ in every]
 
 
-def main(rigs: int) -> None:
-    with ProcessPoolExecutor() as pool:
+def main(rigs: int, seed: int) -> None:
+    with ProcessPoolExecutor(2) as pool:
         points = pool.submit(first).result()
-        planned, grid, counts = zip(*pool.map(compared, range(rigs), itertools.repeat(points)), strict=True)
-    print("| half-width of the 95 % interval | 10 planned, median | 30 on the grid, median | planned, largest | grid, largest | plan narrower |")
+        widths, counts = map(np.array, zip(*pool.map(compared, range(seed, seed + rigs), itertools.repeat(points)), strict=True))
+    print("| half-width of the widest 95 % interval | 10 planned, median | 30 on the grid, median | planned, largest | grid, largest | plan narrower |")
     print("|---|---|---|---|---|---|")
-    for k, name in enumerate([*(f"`{name}`" for name in NAMES), "the widest of a rig"]):
-        one, other = (np.nanmax(found, axis=1) if k == len(NAMES) else np.array(found)[:, k] for found in (planned, grid))
-        shown = " | ".join(f"{value:.2g} %" for value in (np.nanmedian(one), np.nanmedian(other), np.nanmax(one), np.nanmax(other)))
-        print(f"| {name} | {shown} | {(one < other).sum()} of {np.isfinite(one + other).sum()} |")
-    for name, carried in zip(("planned", "on the grid"), np.transpose(counts), strict=True):
+    for k, name in enumerate(("of the fit", "expected", "expected without any one point")):
+        for m, grid in enumerate(("first", "second"), 1):
+            one, other = widths[:, 0, k], widths[:, m, k]
+            shown = " | ".join(f"{value:.2g} %" for value in (np.nanmedian(one), np.nanmedian(other), np.nanmax(one), np.nanmax(other)))
+            print(f"| {name}, {grid} grid | {shown} | {(one < other).sum()} of {np.isfinite(one + other).sum()} |")
+    print(np.round(widths.reshape(rigs, 9), 2).tolist(), file=sys.stderr)
+    for name, carried in zip(("planned", "on the first grid", "on the second grid"), counts.T, strict=True):
         print(f"Of the points {name}, the belts carry {carried.min()} to {carried.max()}.")
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 20)
+    main(*map(int, [*sys.argv[1:], *("20", "100")[len(sys.argv) - 1 :]]))

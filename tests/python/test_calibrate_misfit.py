@@ -1,6 +1,7 @@
 """What a calibration names as the cause of a misfit, on a law in place of the FMU; and deviations that follow from those of the channels."""
 
 import json
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -34,12 +35,12 @@ def solve(jobs: Sequence[Job]) -> list[Found]:
     return [Found(law(values["friction.pulley"], values["belt.play"], p.ratio, p.speed, p.torque, p.force)) for values, p in jobs]
 
 
-def table(path: Path, seed: int, fault: Fault = dict, slope: float = 0.0) -> Rig:
+def table(path: Path, seed: int, fault: Fault = dict, slope: float = 0.0, steps: float = 1e-3) -> Rig:
     """A table of 24 points of the friction 0.1 and the play 4e-4 m, with noise, and with a fault. The friction changes with the temperature by `slope`."""
     random, rows = np.random.default_rng(seed), []
     for ratio in (2.0, 1.0, 0.6):
         for k, torque in enumerate((-30.0, 20.0, 40.0, 60.0) * 2):
-            speed, force, oil = (100.0, 250.0, 400.0)[(k + len(rows)) % 3], (8e3, 11e3)[k // 4], random.uniform(60.0, 110.0)
+            speed, force, oil = (100.0, 250.0, 400.0)[(k + len(rows)) % 3], (8e3, 11e3)[k // 4], random.uniform(60.0, 110.0) // steps * steps
             found = law(0.1 + slope * (oil - 85.0), 4e-4, ratio, speed, torque, force)
             thrust, slip, efficiency = (value + sd * random.standard_normal() for value, sd in zip(found.values(), (2e-3, 1e-4, 2e-3), strict=True))
             rows.append([ratio, speed, torque, force, thrust * force, slip, efficiency, oil])
@@ -49,10 +50,10 @@ def table(path: Path, seed: int, fault: Fault = dict, slope: float = 0.0) -> Rig
     return tables.read(path, Reading(as_written=True, accuracy={"F_P": "0.2%", "slip": "1e-4", "eta": "2e-3"}))
 
 
-def searched(rig: Rig) -> tuple[fit.Fit, list[misfit.Named]]:
-    opened = Model(rig.points, solve)
-    found = fit.fit(opened, PARAMETERS)
-    return found, misfit.search(rig, opened, PARAMETERS, found)
+def searched(rig: Rig, *laws: misfit.Cause) -> tuple[Model, fit.Fit, list[misfit.Named]]:
+    opened, parameters = misfit.with_causes(Model(rig.points, solve), laws), [*PARAMETERS, *(law.size for law in laws)]
+    found = fit.fit(opened, parameters)
+    return opened, found, misfit.search(rig, opened, parameters, found)
 
 
 @pytest.mark.parametrize(
@@ -67,7 +68,7 @@ def searched(rig: Rig) -> tuple[fit.Fit, list[misfit.Named]]:
 )  # fmt: skip
 def test_a_fault_is_named_with_its_size(fault: Fault, name: str, size: float, tmp_path: Path) -> None:
     rig = table(tmp_path / "table.csv", 1, fault)
-    found, named = searched(rig)
+    _, found, named = searched(rig)
     own = next(one for one in named if one.estimate.parameter.name.startswith(name))
     low, high = own.estimate.interval
     assert low < size < high and high - low < 0.4 * size
@@ -76,28 +77,56 @@ def test_a_fault_is_named_with_its_size(fault: Fault, name: str, size: float, tm
 
 
 def test_clean_tables_name_nothing(tmp_path: Path) -> None:
-    assert sum(bool(searched(table(tmp_path / "table.csv", seed))[1]) for seed in range(20)) <= 1
+    assert sum(bool(searched(table(tmp_path / "table.csv", seed))[2]) for seed in range(20)) <= 1
 
 
 def test_a_friction_over_the_temperature_is_named_and_fitted(tmp_path: Path) -> None:
     slope = -6e-4
     rig = table(tmp_path / "table.csv", 2, slope=slope)
-    found, named = searched(rig)
+    _, found, named = searched(rig)
     assert named[0].estimate.parameter.name == "slope of friction.pulley over T_oil [°C]"
     assert '--friction-over "T_oil [°C]"' in misfit.sentence(rig, found, named[0])
     fitted = misfit.friction_over(rig, "T_oil", PARAMETERS)
-    opened = misfit.with_causes(Model(rig.points, solve), [fitted])
-    found = fit.fit(opened, [*PARAMETERS, fitted.size])
+    opened, found, named = searched(rig, fitted)
     mean = rig.sheet.others["T_oil [°C]"].mean()
     for estimate, true in zip(found.estimates, (0.1 + slope * (mean - 85.0), 4e-4, slope), strict=True):
         low, high = estimate.interval
         assert low < true < high and high - low < 0.6 * abs(true)
-    assert not misfit.search(rig, opened, [*PARAMETERS, fitted.size], found)
+    assert not named
     report.write_parameters(report.Results("t.csv", "1", "v", {}, opened, found, laws=[fitted.advice]), tmp_path / "parameters.json")
     entries = json.loads((tmp_path / "parameters.json").read_text(encoding="utf-8"))["parameters"]
     assert entries.keys() == {"friction.pulley", "belt.play"} and f"at the mean of T_oil [°C], {mean:.5g}; slope" in entries["friction.pulley"]["note"]
     with pytest.raises(TableError, match="no column T_air"):
         misfit.friction_over(rig, "T_air", PARAMETERS)
+
+
+@pytest.mark.parametrize(("slope", "verdict"), [(-6e-4, "3 groups differ (chance"), (0.0, "3 groups differ by no more than scatter")])
+def test_frictions_of_groups_have_intervals_and_are_compared(slope: float, verdict: str, tmp_path: Path) -> None:
+    rig = table(tmp_path / "table.csv", 4, lambda c: c | {"day": np.ones(24)}, slope, 25.0)
+    groups = misfit.friction_by(rig, "T_oil", PARAMETERS)
+    opened, found, named = searched(rig, *groups.causes)
+    *lines, last = misfit.compared(groups, found)
+    assert verdict in last and len(lines) == 3 and not named
+    for line in lines:
+        oil, points, low, high = map(float, re.findall(r"= (\d+) \((\d+) points\).*: (\S+) to (\S+)\)", line)[0])
+        assert low < 0.1 + slope * (oil - 85.0) < high < 1.15 * low and points == np.sum(rig.sheet.others["T_oil [°C]"] == oil)
+    # Points of other groups are not solved again.
+    before, slopes = opened.solves, opened.slopes([one.parameter for one in found.estimates], {}, found.place, found.after)
+    assert np.abs(slopes).max(axis=0).min() > 1.0 and opened.solves - before < 0.9 * 2 * slopes.size
+    for title, why in (("T_air", "no column T_air"), ("day", "all cells are 1"), ("row order", r"24 groups are empty or have one point: 0 \(1\)")):
+        with pytest.raises(TableError, match=why):
+            misfit.friction_by(rig, title, PARAMETERS)
+
+
+@pytest.mark.parametrize("slip", [0.0, 1.0])
+def test_a_ratio_of_the_speeds_is_certain(slip: float, tmp_path: Path) -> None:
+    def speeds(c: Columns) -> Columns:
+        turns = c["i_geo"] / (1.0 - c["slip"])
+        return c | {"n_S [rad/s]": c["n_P [rad/s]"] / turns, "i_geo": turns * (1.0 - slip * c["slip"])}
+
+    rig = table(tmp_path / "table.csv", 5, speeds)
+    named = misfit.ratio_of_speeds(rig, fit.fit(Model(rig.points, solve), PARAMETERS))
+    assert ['--map "i_geo=ratio.speed"' in text for text in named] == [True] * (slip == 0.0)
 
 
 def test_a_trend_over_an_unknown_column_is_found(tmp_path: Path) -> None:

@@ -43,7 +43,9 @@ def test_a_line_is_measured_at_its_ends() -> None:
     at = np.array(sorted(point.torque for point in found.points)) / 40.0
     assert at == pytest.approx([0.0, 0.025, 0.975, 1.0])
     half = 4.302653 * 0.01 / np.sqrt(np.sum((at - 0.5) ** 2))  # Student's t of two degrees of freedom
-    assert found.widths["b"] == (np.inf, pytest.approx(half, rel=1e-6))
+    assert found.widths["b"][:2] == (np.inf, pytest.approx(half, rel=1e-6))
+    # Three points remain, with one degree of freedom.
+    assert found.widths["b"][2] == pytest.approx(12.7062 * 0.01 / np.sqrt(np.ptp(at) ** 2 * 2 / 3), rel=0.05)
     assert {point.name for point in found.points} == {"a", "b"} and not found.unseen
     # What the table has is not measured again.
     more = planned(places(0.0, 0.0, 1.0, *range(41)), 2, known=3)

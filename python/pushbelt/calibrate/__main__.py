@@ -1,18 +1,11 @@
 """Fits parameters of the FMU to a table of measured steady points.
 
-The table is CSV as rigs and spreadsheets write it, or .xlsx, with one row per point. Columns have the unit in the header, like
-`primary.speed [rpm]`, or in the row below:
-
-    ratio.geometric, or ratio.speed (i), or secondary.speed (n_S); primary.speed (n_P); primary.torque (T_P)
-    secondary.clampingForce (F_S), or secondary.pressure (p_S) with --set secondary.cylinder.area=A
-    any of thrustRatio, slip, efficiency, primary.clampingForce (F_P), secondary.torque (T_S), di/dt or ds/dt
-    their standard deviations, like slip.sd [%]; name
-
-Cells may be empty. --template FILE writes such a table with the meaning of each column; --check prints what is understood.
+The table is CSV as rigs and spreadsheets write it, or .xlsx, with one row per point: ratio, speed, torque and force, and any of thrust ratio, slip,
+efficiency, forces, torques and shift rates. --template FILE writes one with the meaning of each column; --check prints what is understood.
 With the columns series and time, each series is a recorded shift and its rows are the samples.
 
-A solution takes about 0.01 s of processor time per point, the first one and one without a state near by 0.03 s. A fit takes about four
-solutions per point and parameter, and twenty more. A speed ratio takes 1.5 times as long, a shift rate about fifteen times.
+A solution takes about 0.01 s of processor time per point, the first one and one without a state near by 0.03 s. A fit takes about eleven
+solutions per point and parameter, and ten more. A speed ratio takes 1.2 times as long, a shift rate about fifteen times.
 
 --plan N writes the N points that narrow the intervals of the fitted parameters most to plan.csv, a table to fill in. They add to TABLE, if there is
 one, at the parameters of --variator. Their limits are those of TABLE or of --within.
@@ -50,7 +43,7 @@ SUSPECT = 1.5  # Root mean square of the residuals, in standard deviations, abov
 MISFIT = 3  # Exit code of a bad fit
 PLANNED = 0.012  # Processor time of a steady state of a planned point, s
 SOLUTION = 0.008  # Processor time of a steady state near another one, s
-SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 15.0, 1.5, 4.0
+SHIFT_COST, SPEED_RATIO_COST, SAMPLE_COST = 15.0, 1.2, 4.0
 """Cost of a shift rate, of the search for a speed ratio, and of a sample of a recorded shift, in steady states."""
 
 
@@ -100,6 +93,8 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--prior", type=prior, action="append", default=[], metavar="NAME=VALUE±SD", help=known)  # fmt: skip
     text = "fit a friction.pulley that is a linear function of a column, such as T_oil, about its mean"
     found.add_argument("--friction-over", metavar="COLUMN", help=text)
+    text = "fit a friction.pulley of each group of points with the same cell in a column, such as an oil or a day"
+    found.add_argument("--friction-by", metavar="COLUMN", help=text)
     found.add_argument("--accept-misfit", action="store_true", help="exit code 0 also for a fit that is bad, instead of 3")
     add_variator(found)
     add_set(found, "fixed value of a parameter")
@@ -175,23 +170,18 @@ def once(rig: points.Rig) -> points.Rig:
 
 def _effort(rig: points.Rig, parameters: int, workers: int) -> str:
     """Number of points, and the time that a fit takes."""
-    seconds = sets(parameters) * SOLUTION * cost(rig) / workers
+    seconds = SOLUTION * solutions(rig, parameters) / workers
     text = f"{seconds:.0f} s" if seconds < 100.0 else f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
     return f"{len(rig.points)} points: a fit of {parameters} parameters takes about {text} on {workers} processors"
 
 
-def cost(rig: points.Rig) -> float:
-    """Cost of a solution of all points, in steady states."""
-    return sum(
+def solutions(rig: points.Rig, parameters: int) -> float:
+    """Number of steady states in a fit, or their cost: six of derivatives and five of trials for each parameter, and those of the tests of residuals."""
+    return (10 + 11 * parameters) * sum(
         SAMPLE_COST * len(point.measured) if point.samples
         else SHIFT_COST if point.shifting else SPEED_RATIO_COST if point.ratio is None else 1.0
         for point in rig.points
     )  # fmt: skip
-
-
-def sets(parameters: int) -> int:
-    """Number of solutions of all points in a fit of so many parameters, and for the tests of its residuals."""
-    return 25 + 4 * parameters
 
 
 def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
@@ -207,18 +197,23 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     if rig is None or options.plan is not None:
         return _plan(options, fmu, base, chosen, rig.points if rig else [])
     laws = [misfit.friction_over(rig, options.friction_over, chosen)] if options.friction_over else []
+    groups = misfit.friction_by(rig, options.friction_by, chosen) if options.friction_by else None
+    laws += groups.causes if groups else []
     chosen += [law.size for law in laws]
     begin = time.perf_counter()
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
-    with model.opened(fmu, base, rig.points, options.workers, sets(len(chosen)) * cost(rig)) as opened:
+    with model.opened(fmu, base, rig.points, options.workers, solutions(rig, len(chosen))) as opened:
         fitted = misfit.with_causes(opened, laws)
         found = fit(fitted, chosen)
-        causes, trends = ([], []) if rig.recorded else (misfit.search(rig, fitted, chosen, found), misfit.trends(rig, fitted, found))
-    said = [misfit.sentence(rig, found, cause) for cause in causes]
+        trends = [] if rig.recorded else misfit.trends(rig, fitted, found)
+        certain = [] if rig.recorded else misfit.ratio_of_speeds(rig, found)
+        causes = [] if rig.recorded or certain else misfit.search(rig, fitted, chosen, found)
+    said = certain or [misfit.sentence(rig, found, cause) for cause in causes]
     if not found.misfit and causes and found.rms[1] > SUSPECT and causes[0].fit.rms[1] < 0.5 * found.rms[1]:
         found = found._replace(misfit=f"an error of the table leaves {causes[0].fit.rms[1]:.3g} standard deviations in place of {found.rms[1]:.3g}")
-    about = (time.perf_counter() - begin, points.notes(rig.sheet), said, trends, [law.advice for law in laws])
+    holding = [*filter(None, (law.advice for law in laws)), *(misfit.compared(groups, found) if groups else [])]
+    about = (time.perf_counter() - begin, points.notes(rig.sheet), said, trends, holding)
     results = report.Results(options.table.name, description.version or "", options.variator, base, fitted, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)
     report.write_residuals(results, options.output / "residuals.csv")

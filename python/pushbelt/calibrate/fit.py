@@ -56,6 +56,7 @@ class Spread(NamedTuple):
     correlations: Array
     singular_values: Array  # Of the Jacobian of the residuals, in standard deviations per unit of coordinate
     factor: float  # Factor of the standard deviations in the intervals
+    freedom: int  # Number of values less that of the parameters
 
 
 class Fit(NamedTuple):
@@ -205,7 +206,7 @@ def _leave_out(search: Search, free: Sequence[int]) -> None:
 def _spread(search: Search, inner: Sequence[int]) -> Spread:
     """Over the points that have a steady state, and the priors. `inner` are the parameters that are not at a bound."""
     if not inner:
-        return Spread(np.empty(0), np.empty((0, 0)), np.empty(0), 1.0)
+        return Spread(np.empty(0), np.empty((0, 0)), np.empty(0), 1.0, 0)
     used = search.kept & search.carried()
     freedom = int(used.sum()) - len(inner)
     if freedom < 1:
@@ -215,7 +216,7 @@ def _spread(search: Search, inner: Sequence[int]) -> Spread:
     reduced = float(np.sum(search.residuals[used] ** 2)) / freedom
     factor = float(np.sqrt(max(reduced, 1.0) if search.model.values["given"].all() else reduced))
     halves = student.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * factor * deviations
-    return Spread(halves, matrix / np.outer(deviations, deviations), singular, factor)
+    return Spread(halves, matrix / np.outer(deviations, deviations), singular, factor, freedom)
 
 
 def _undetermined(names: Sequence[str], worst: int, spread: Spread) -> str:

@@ -9,6 +9,7 @@ from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import f as fisher
 from scipy.stats import t as student
 
 from pushbelt.fmu.geometry import Array
@@ -61,12 +62,21 @@ class Trend(NamedTuple):
     quantity: str
     column: str
     rise: float  # Change of the residual over the column's range, in standard deviations
+    places: Array  # The column at each measured value, NaN at those of other quantities
     chance: float  # Probability of such a trend among all tests of scatter
     tests: int
 
     @property
     def significant(self) -> bool:
         return self.chance < CHANCE
+
+
+class Groups(NamedTuple):
+    """Groups of points by the cells of a column."""
+
+    column: str
+    counts: Mapping[str, int]  # Numbers of their points; the first group has most
+    causes: list[Cause]  # Differences of the friction of the others from that of the first one
 
 
 def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
@@ -82,11 +92,17 @@ def with_causes(model: Model, causes: Sequence[Cause]) -> Model:
 
     def solve(jobs: Sequence[Job]) -> list[Found]:
         new, found = [changed(*job) for job in jobs], []
-        for one, (_, point), (_, measured) in zip(model.solve(new), jobs, new, strict=True):
-            pairs = {old.key or old.quantity: (old, new) for old, new in zip(point.measured, measured.measured, strict=True)}
-            residuals = {name: (one.values[name] - new.value) / new.deviation for name, (_, new) in pairs.items() if name in one.values}
-            more = {name: pairs[name][0].value + pairs[name][0].deviation * residual for name, residual in residuals.items()}
-            found.append(one._replace(values={**one.values, **more}))
+        # A size that some points do not have gives equal jobs.
+        keys = [(tuple(values.items()), point) for values, point in new]
+        distinct = dict(zip(keys, new, strict=True))
+        solved = dict(zip(distinct, model.solve(list(distinct.values())), strict=True))
+        for key, (_, point), (_, measured) in zip(keys, jobs, new, strict=True):
+            values = dict(solved[key].values)
+            for one, other in zip(point.measured, measured.measured, strict=True):
+                if (name := one.key or one.quantity) in values:
+                    values[name] = one.value + one.deviation / other.deviation * (values[name] - other.value)
+            found.append(solved[key]._replace(values=values))
+            solved[key] = solved[key]._replace(solves=0)
         return found
 
     return Model(model.points, solve, model.most_solves)
@@ -103,24 +119,92 @@ def columns(rig: Rig) -> dict[str, Array]:
     return {**{title: column[rows] for title, column in found.items()}, ORDER: np.arange(len(rows), dtype=float)}
 
 
+def _friction_law(
+    rig: Rig, title: str, some: Mapping[str, Array], parameters: Sequence[Parameter]
+) -> tuple[str, Callable[[str, Array, float, str], Cause]]:
+    """The column of a title, and what adds a size times weights of the points to the friction."""
+    friction = next((one for one in parameters if one.name == FRICTION), None)
+    own = next((name for name in some if name == rig.sheet.title(title) or same(name, title)), None)
+    if friction is None:
+        raise ParameterError(f"{FRICTION} over {title} requires {FRICTION} in --fit")
+    if own is None:
+        raise TableError(f"there is no column {title}; there are {', '.join(some)}", rig.sheet.path)
+
+    def law(name: str, weights: Array, scale: float, advice: str) -> Cause:
+        by_line = {point.line: float(weight) for point, weight in zip(rig.points, weights, strict=True)}
+
+        def change(values: Values, point: Point, size: float) -> Job:
+            value = values[FRICTION] + size * by_line[point.line]
+            return {**values, FRICTION: min(max(value, friction.low), friction.high)}, point
+
+        return Cause(additional(name, "1", scale * friction.start), change, advice=advice)
+
+    return own, law
+
+
 def friction_over(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Cause:
     """A fitted friction that is a linear function of a column about its mean. Raises ParameterError if it is not fitted, and TableError without
     such numbers."""
-    numbers, friction = columns(rig), next((one for one in parameters if one.name == FRICTION), None)
-    own = next((name for name in numbers if name == rig.sheet.title(title) or same(name, title)), None)
-    if friction is None:
-        raise ParameterError(f"{FRICTION} over {title} requires {FRICTION} in --fit")
-    if own is None or not np.nanstd(numbers[own]) > 0.0:
-        raise TableError(f"there is no column {title} with numbers that differ; there are {', '.join(numbers)}", rig.sheet.path)
-    column, mean = numbers[own], float(np.nanmean(numbers[own]))
-    away = {point.line: float(x) for point, x in zip(rig.points, np.nan_to_num(column - mean), strict=True)}
+    own, law = _friction_law(rig, title, numbers := columns(rig), parameters)
+    column = numbers[own]
+    if not np.nanstd(column) > 0.0:
+        raise TableError(f"{own} has no numbers that differ", rig.sheet.path)
+    away, advice = np.nan_to_num(column - np.nanmean(column)), f"{FRICTION} holds at the mean of {own}, {np.nanmean(column):.5g}"
+    return law(f"slope of {FRICTION} over {own}", away, 1.0 / float(np.nanstd(column)), advice)
 
-    def change(values: Values, point: Point, slope: float) -> Job:
-        value = values[FRICTION] + slope * away[point.line]
-        return {**values, FRICTION: min(max(value, friction.low), friction.high)}, point
 
-    size = additional(f"slope of {FRICTION} over {own}", "1", friction.start / float(np.nanstd(column)))
-    return Cause(size, change, advice=f"{FRICTION} holds at the mean of {own}, {mean:.5g}")
+def friction_by(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Groups:
+    """A fitted friction of each group of points with the same cell in a column. Raises ParameterError if the friction is not fitted, and TableError
+    if there are not two groups, or one has fewer than two points."""
+    some = columns(rig) | {name: column[rig.rows] for name, column in rig.sheet.others.items()}
+    own, law = _friction_law(rig, title, some, parameters)
+    cells = np.array(["" if cell != cell else f"{cell:.9g}" if isinstance(cell, float) else f"{cell}".strip() for cell in some[own].tolist()])
+    names, counts = np.unique(cells, return_counts=True)
+    few = [f"{name or 'empty'} ({count})" for name, count in zip(names, counts, strict=True) if count < 2 or not name]
+    if few or len(names) < 2:
+        why = f"{len(few)} groups are empty or have one point: {', '.join(few[:5])}" if few else f"all cells are {names[0]}"
+        raise TableError(f"{own} does not group the points: {why}. At least two groups of at least two points are required", rig.sheet.path)
+    order = np.argsort(-counts, kind="stable")
+    first, *others = names[order].tolist()
+    sizes = [law(f"{FRICTION} of {own} = {name} above that of {first}", cells == name, 1.0, "") for name in others]
+    sizes[0] = replace(sizes[0], advice=f"{FRICTION} holds for {own} = {first}")
+    return Groups(own, dict(zip(names[order].tolist(), counts[order].tolist(), strict=True)), sizes)
+
+
+def compared(groups: Groups, found: Fit) -> list[str]:
+    """The friction of each group with its interval, and whether they differ: an F-test of all differences."""
+    names, spread = [one.parameter.name for one in found.determined], found.spread
+    wanted = [FRICTION, *(cause.size.name for cause in groups.causes)]
+    if missing := [name for name in wanted if name not in names]:
+        return [f"the groups of {groups.column} can't be compared: the table does not determine {missing[0]}"]
+    at = [names.index(name) for name in wanted]
+    own = [found.determined[k] for k in at]
+    halves = spread.halves[at] * [one.value if one.parameter.logarithmic else one.parameter.scale or one.parameter.start for one in own]
+    squares, away = spread.correlations[np.ix_(at, at)] * np.outer(halves, halves), np.array([one.value for one in own[1:]])
+    quantile, count = student.ppf(0.5 + 0.5 * CONFIDENCE, spread.freedom), len(away)
+    chance = fisher.sf(quantile**2 * away @ np.linalg.solve(squares[1:, 1:], away) / count, count, spread.freedom)
+    lines = []
+    for k, (name, points) in enumerate(groups.counts.items()):
+        sums = [0, k] if k else [0]
+        value, half = sum(own[m].value for m in sums), float(np.sqrt(squares[np.ix_(sums, sums)].sum()))
+        lines.append(f"{FRICTION} of {groups.column} = {name} ({points} points): {value:.5g} (95 %: {value - half:.5g} to {value + half:.5g})")
+    verdict = "differ" if chance < CHANCE else "differ by no more than scatter"
+    return [*lines, f"the frictions of the {count + 1} groups {verdict} (chance {chance:.1g})"]
+
+
+def ratio_of_speeds(rig: Rig, found: Fit) -> list[str]:
+    """The certain evidence that a geometric ratio is computed from the speeds: it is their ratio, within a tenth of the slips to be expected."""
+    values, names = rig.values, ("ratio.geometric", "primary.speed", "secondary.speed")
+    if not values.keys() >= {*names}:
+        return []
+    ratio, primary, secondary = (values[name][rig.rows] for name in names)
+    apart, slips = np.abs(1.0 - ratio * secondary / primary), np.array([one.values.get("slip", np.nan) for one in found.before])
+    known = np.isfinite(apart) & np.isfinite(slips)
+    if known.sum() < 2 or not apart[known].max() < 0.1 * (usual := float(np.sqrt(np.mean(slips[known] ** 2)))):
+        return []
+    one, first, second = map(rig.sheet.title, names)
+    text = f"{one} is {first}/{second} in all {known.sum()} rows, within {apart[known].max():.1g}, where slips of {usual:.1g} are to be expected"
+    return [f'{text}: it is the ratio of speeds, --map "{one}=ratio.speed"']
 
 
 def causes(rig: Rig, model: Model, parameters: Sequence[Parameter]) -> list[Cause]:
@@ -227,33 +311,30 @@ def _tested(tested: Array, basis: Array, residuals: Array) -> tuple[Array, Array
 
 
 def _slopes(model: Model, parameters: Sequence[Parameter], fixed: Values, found: Fit, some: Sequence[Cause]) -> Array:
-    """Derivatives of the residuals with respect to the sizes of causes, by those with respect to the conditions of the points."""
+    """Derivatives of the residuals with respect to the sizes of causes, by those with respect to the friction and the conditions of the points."""
+
+    def conditions(jobs: Sequence[Job]) -> Array:
+        return np.array([[values.get(FRICTION, 0.0), *(getattr(point, name) or 0.0 for name in FIELDS)] for values, point in jobs])
 
     def moved(name: str, values: Values, point: Point, change: float) -> Job:
         value = getattr(point, name)
         return values, point if value is None else replace(point, **{name: value + change})
 
-    place, conditions = model.values["point"].to_numpy(), []
-    for name in FIELDS:
-        own = np.array([getattr(point, name) for point in model.points], dtype=float)
-        if np.nan_to_num(own).any():
-            size = additional(name, "1", float(np.sqrt(np.nanmean(own**2))))
-            conditions.append(Cause(size, partial(moved, name)))
-    sizes, at = [one.size for one in conditions], np.zeros(len(conditions))
-    by_condition = with_causes(model, conditions).slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after)
-    slopes = np.zeros((len(found.residuals), len(some)))
-    residuals = _bounded(found)[: len(place)]
+    place, before = model.values["point"].to_numpy(), conditions([(fixed, point) for point in model.points])
+    scales = np.sqrt(np.mean(before**2, axis=0))
+    sizes = [additional(name, "1", float(scale)) for name, scale in zip(FIELDS, scales[1:], strict=True) if scale > 0.0]
+    with_sizes, at = with_causes(model, [Cause(size, partial(moved, size.name)) for size in sizes]), np.zeros(len(sizes))
+    by = np.zeros((len(place), len(scales)))
+    by[:, 1:][:, scales[1:] > 0.0] = with_sizes.slopes(sizes, {**fixed, **assign(sizes, at)}, at, found.after) / scales[1:][scales[1:] > 0.0]
+    for k, one in enumerate(parameters):
+        if one.name == FRICTION:
+            by[:, 0] = found.slopes[: len(place), k] / (fixed[FRICTION] if one.logarithmic else one.start)
+    slopes, residuals = np.zeros((len(found.residuals), len(some))), _bounded(found)[: len(place)]
     old = np.array([one.value for point in model.points for one in point.measured])
     for k, cause in enumerate(some):
         jobs = [cause.change(fixed, point, cause.size.value(cause.size.coordinate(cause.size.start) + models.STEP)) for point in model.points]
         new = np.array([(one.value, one.deviation) for _, point in jobs for one in point.measured])
-        column = (model.deviations * residuals + old - new[:, 0]) / new[:, 1] - residuals
-        for one, own in zip(sizes, by_condition.T, strict=True):
-            pairs = ((getattr(new, one.name), getattr(point, one.name)) for (_, new), point in zip(jobs, model.points, strict=True))
-            column += own * np.array([one.coordinate((after or 0.0) - (before or 0.0)) for after, before in pairs])[place]
-        for one, own in zip(parameters, found.slopes.T, strict=True):
-            if one.name == FRICTION:
-                column += own[: len(place)] * np.array([one.coordinate(values[FRICTION]) - one.coordinate(fixed[FRICTION]) for values, _ in jobs])[place]
+        column = (model.deviations * residuals + old - new[:, 0]) / new[:, 1] - residuals + np.sum(by * (conditions(jobs) - before)[place], axis=1)
         slopes[: len(place), k] = column / models.STEP
     return slopes
 
@@ -276,7 +357,8 @@ def trends(rig: Rig, model: Model, found: Fit) -> list[Trend]:
             if there.sum() > 2 and (extent := float(np.ptp(own[there]))) > 1e-9 * np.abs(own[there]).max():
                 tested = np.where(there, (own - own[there].mean()) / extent, 0.0)[used, None]
                 _, (slope,), (chance,) = _tested(tested, np.column_stack([found.slopes[used], there[used]]), _bounded(found)[used])
-                tests.append(Trend(quantity, title, float(slope), float(chance), 0))
+                places = np.where(there, own, np.nan)[: len(quantities)]
+                tests.append(Trend(quantity, title, float(slope), places, float(chance), 0))
     return sorted((one._replace(chance=min(len(tests) * one.chance, 1.0), tests=len(tests)) for one in tests), key=lambda one: one.chance)
 
 

@@ -58,7 +58,8 @@ class Model:
         self._last = sum(one.solves for one in found)
         # Slip and steady state of the last values are good estimates for the next ones.
         self.points = tuple(
-            replace(point, slip=one.values.get("slip", point.slip), near=one.near or point.near) for point, one in zip(self.points, found, strict=True)
+            replace(point, slip=one.values.get("slip", point.slip), near=one.near or point.near, by_ratio=one.by_ratio or point.by_ratio)
+            for point, one in zip(self.points, found, strict=True)
         )
         return found
 

@@ -1,7 +1,7 @@
 """What to measure next: working points that narrow the intervals of the fitted parameters, by optimal design.
 
-A place adds JᵀJ of what would be measured there to the information of the table and the priors. The plan minimises the sum of the squared relative
-widths (A-optimal), which the widest one rules, in the mean over the loss of any one point. So no interval depends on a single place.
+A place adds JᵀJ of what would be measured there to the information of the table and the priors. The plan minimises the sum of the relative widths to
+the eighth power, which the widest one rules, in the mean over the loss of any one point. So no interval depends on a single place.
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ class PlanError(PushbeltError, ValueError):
 
 class Plan(NamedTuple):
     points: list[Point]  # The most useful first; the name is that of the parameter whose interval widens most without the point
-    widths: Mapping[str, tuple[float, float]]  # Relative half-width of each parameter's expected interval before and after; infinite without one
+    widths: Mapping[str, tuple[float, float, float]]
+    """Relative half-width of each parameter's expected interval before, after, and at most without one of the points; infinite without one."""
     unseen: list[str]  # Parameters that no place within the limits determines
 
 
@@ -120,7 +121,7 @@ def plan(model: Model, known: int, parameters: Sequence[Parameter], values: Mapp
     every = np.vstack([before, slopes[np.isin(owner, usable)]])
     weak = fit.weak_parameters(every)
     seen = [k for k in range(len(at)) if k not in weak]
-    if _halves(every[:, seen]).max() > fit.UNDETERMINED:
+    if halves(every[:, seen]).max() > fit.UNDETERMINED:
         raise PlanError(f"no place within the limits determines {' or '.join(parameter.name for parameter in parameters)}")
     before, slopes, names = before[:, seen], slopes[:, seen], [parameters[k].name for k in seen]
     information = np.array([slopes[owner == place].T @ slopes[owner == place] for place in usable])
@@ -131,13 +132,14 @@ def plan(model: Model, known: int, parameters: Sequence[Parameter], values: Mapp
     without = np.diagonal(np.linalg.inv(total - information[chosen]), axis1=1, axis2=2)
     serves = np.argmax(without / np.diag(np.linalg.inv(total)), axis=1)
     points = [replace(model.points[usable[chosen[k]]], name=names[serves[k]]) for k in np.argsort(-without.sum(axis=1), kind="stable")]
-    after = np.vstack([before, *(slopes[owner == usable[place]] for place in chosen)])
-    widths = zip(_halves(before).tolist(), _halves(after).tolist(), strict=True)
+    rows = [slopes[owner == usable[place]] for place in chosen]
+    lost = np.max([halves(np.vstack([before, *rows[:k], *rows[k + 1 :]])) for k in range(count)], axis=0)
+    widths = zip(halves(before).tolist(), halves(np.vstack([before, *rows])).tolist(), lost.tolist(), strict=True)
     return Plan(points, dict(zip(names, widths, strict=True)), [parameters[k].name for k in sorted(weak)])
 
 
-def _halves(slopes: Array) -> Array:
-    """Half-widths of the expected intervals."""
+def halves(slopes: Array) -> Array:
+    """Half-widths of the expected intervals, in coordinates."""
     freedom = len(slopes) - slopes.shape[1]
     if freedom < 1:
         return np.full(slopes.shape[1], np.inf)
@@ -156,7 +158,7 @@ def _exchanged(start: Array, information: Array, count: int) -> list[int]:
             total = start + information[rest].sum(axis=0)
             # The plan with the new point, and the plan without each of the others.
             left = np.stack([total, *(total - information[rest])])
-            cost = np.trace(np.linalg.inv(left[:, None] + information[free]), axis1=2, axis2=3).sum(axis=0)
+            cost = (np.diagonal(np.linalg.inv(left[:, None] + information[free]), axis1=2, axis2=3) ** 4).sum(axis=(0, 2))
             if cost.min() < (1.0 - 1e-9) * cost[free == chosen[k]][0]:
                 chosen[k] = int(free[np.argmin(cost)])
     return chosen
@@ -166,14 +168,15 @@ def write(found: Plan, path: Path) -> list[str]:
     """Writes the plan as a table of `calibrate` with empty cells for what is measured. Returns the lines about the intervals, with which it begins."""
     served, measured = [point.name for point in found.points], found.points[0].measured
     lines = []
-    for name, both in found.widths.items():
-        before, after = (f"±{100.0 * half:.3g} %" if half <= fit.UNDETERMINED else "not determined" for half in both)
-        lines.append(f"{name}: {before} → {after}, {served.count(name)} points")
+    for name, three in found.widths.items():
+        before, after, lost = (f"±{100.0 * half:.3g} %" if half <= fit.UNDETERMINED else "not determined" for half in three)
+        lines.append(f"{name}: {before} → {after}, {served.count(name)} points; {lost} without one point")
     lines += [f"{name}: not identified at any place within the limits" for name in found.unseen]
     names = [*CONDITION, *(one.quantity + end for one in measured for end in ("", ".sd")[: 1 + one.given])]
     units = {name: usual(CONDITIONS[name].dimension)[0] if name in CONDITION else "1" for name in names}
     cells = [cell for one in measured for cell in ("", one.deviation)[: 1 + one.given]]
     rows = [[f"{k} {name}", *row, *cells] for k, (name, row) in enumerate(zip(served, _conditions(found.points).tolist(), strict=True), 1)]
-    remark = "\n# ".join(["Expected half-widths of the 95 % intervals before and after; a name has the parameter that the point serves.", *lines])
+    about = "Expected half-widths of the 95 % intervals before, after and without one point; a name has the parameter that the point serves."
+    remark = "\n# ".join([about, *lines])
     tables.write(path, ["name", *tables.titles(names, units)], rows, digits=5, remark=remark)
     return lines

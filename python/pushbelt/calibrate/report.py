@@ -61,15 +61,29 @@ def chart(quantity: str, sets: Sets) -> Chart:
     series, note = _inside(sets, "measured", "found", x_range, y_range, lambda row: f"{_brief(row.measured)}, model {_brief(row.found)}")
     title = f"{quantity}: model over measurement"
     panels = [Panel(title, [line, *series], "measured", "model", x_range=x_range, y_range=y_range, height=270, note=note)]
-    y_range = (-1.15 * most, 1.15 * most)
-    for label, across in (("torque, N·m", "torque"), ("ratio", "at")):
-        places = pd.concat([rows[across] for rows in sets.values()])
-        span = around([(places.min() - 1e-3, places.max() + 1e-3)])
-        series, note = _inside(sets, across, "relative", span, y_range, lambda row: _brief(row.relative))
-        sure = Series(f"within {SURE:g}", span, (-SURE, -SURE), BLUE, "band", upper=(SURE, SURE), opacity=0.1)
-        title = "Residual, standard deviations"
-        panels.append(Panel(title, [sure, *series], label, x_range=span, y_range=y_range, height=270, note=note))
+    panels += [_residuals(sets, across, label, "Residual, standard deviations") for label, across in (("torque, N·m", "torque"), ("ratio", "at"))]
     return Chart(panels, f"Residuals of {quantity}", columns=3, common_legend=True)
+
+
+def _residuals(sets: Sets, across: str, label: str, title: str, note: str = "") -> Panel:
+    """Residuals over a column of the rows."""
+    most = 1.15 * reach(next(iter(sets.values())))
+    places = pd.concat([rows[across] for rows in sets.values()])
+    margin = 1e-3 * (places.max() - places.min() or 1.0)
+    span = around([(places.min() - margin, places.max() + margin)])
+    series, far = _inside(sets, across, "relative", span, (-most, most), lambda row: _brief(row.relative))
+    sure = Series(f"within {SURE:g}", span, (-SURE, -SURE), BLUE, "band", upper=(SURE, SURE), opacity=0.1)
+    return Panel(title, [sure, *series], label, x_range=span, y_range=(-most, most), height=270, note=" ".join(filter(None, (note, far))))
+
+
+def over_columns(rows: pd.DataFrame, trends: Sequence[Trend]) -> Chart:
+    """Residuals of the fitted set, each of a quantity over a column."""
+    panels = []
+    for one in trends:
+        own = rows.assign(at=one.places)[np.isfinite(one.places)]
+        note = f"Change {_brief(one.rise)}, chance {_brief(one.chance)}."
+        panels.append(_residuals({"fitted": own}, "at", one.column, f"Residual of {one.quantity}", note))
+    return Chart(panels, "Residuals over columns", columns=3, common_legend=True)
 
 
 def _inside(sets: Sets, x: str, y: str, x_range: Range, y_range: Range, text: Text) -> tuple[list[Series], str]:
@@ -183,7 +197,7 @@ def write_html(results: Results, path: Path) -> None:
     used = rows[rows["found"].notna() & rows["kept"]]
     names, correlations = [estimate.parameter.name for estimate in found.determined], found.spread.correlations
     context = {
-        "results": results, "fit": found, "used": len(used), "outliers": outliers(results), "rms": found.rms,
+        "results": results, "fit": found, "used": len(used), "outliers": outliers(results),
         "lost_values": int(rows["reason"].notna().sum()),
         "quantities": [_quantity(results, q) for q in quantities(rows) if len(of(rows, q))],
         "assumed": list(rows["quantity"][~rows["given"]].unique()),
@@ -191,10 +205,13 @@ def write_html(results: Results, path: Path) -> None:
             (names[k], names[m], float(correlations[k, m]))
             for k in range(len(names)) for m in range(k) if abs(correlations[k, m]) >= fit.PARTNER
         ],
+        "trends": [
+            over_columns(rows, some)
+            for some in (results.trends, [one for one in results.tests if not one.significant]) if some
+        ],
         "worst": list(used.sort_values("relative", key=abs, ascending=False, kind="stable")[:WORST].itertuples()),
         "priors": [estimate.parameter.name for estimate in found.estimates if estimate.parameter.prior],
-        "step": model.STEP, "lost_residual": model.LOST, "undetermined": fit.UNDETERMINED,
-        "settling": worker.SETTLING, "window": worker.WINDOW,
+        "step": model.STEP, "undetermined": fit.UNDETERMINED, "settling": worker.SETTLING, "window": worker.WINDOW,
     }  # fmt: skip
     page.write_html("calibrate/calibrate.html.j2", context, path, plain=model.plain)
 

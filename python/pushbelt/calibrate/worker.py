@@ -26,9 +26,9 @@ SHIFT_INERTIA = 1e-3
 SHIFT_TOLERANCE = 1e-7
 """Tolerance of the integration in a shift. Differences over a third of `model.STEP` scatter by 0.6 %; with a tolerance of 1e-6
 they scatter by 4 %."""
-RATIO_TOLERANCE, CORRECTED, MOST_SOLVES = 1e-8, 1e-6, 10
-"""Relative tolerances of the speed ratio at the first estimate of the slip and after a correction, and largest number of steady states
-in the search. A correction leaves about a fiftieth of the error, so differences over small steps remain accurate to some per cent."""
+STEADY = ("thrustRatio", "slip", "efficiency")
+RATIO_TOLERANCE, MOST_SOLVES = 1e-5, 10
+"""Relative error of the speed ratio up to which the results are corrected by their derivatives, and largest number of steady states in the search."""
 
 LOST_SOLVES = 20
 """Cost of a point without a steady state, in steady states: the search for the torque that it carries takes 0.3 to 1 s."""
@@ -47,6 +47,7 @@ class Found(NamedTuple):
     missing: float = 0.0  # Without a steady state 1 plus the share of the torque that the belt does not carry
     solves: int = 1  # Number of steady states that were solved, or their cost
     near: bytes = b""  # The stored steady state
+    by_ratio: tuple[float, ...] = ()  # As that of a point
 
 
 def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs: Sequence[Job]) -> list[Found]:
@@ -98,25 +99,28 @@ def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point,
     unit = _started(states, parameters, point, ratio, point.speed_ratio or ratio)
     if isinstance(unit, Found):
         return unit
-    return Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")}, near=unit.state())
+    return Found({name: unit.get(name) for name in STEADY}, near=unit.state())
 
 
 def _at_speed_ratio(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
-    """The geometric ratio for a speed ratio: i = i_speed (1 − slip), where the slip hardly depends on i; by the secant method."""
-    speed_ratio = point.speed_ratio
+    """The geometric ratio for a speed ratio, i = i_speed (1 − slip), by Newton's method. The derivatives change little, so those of an earlier state
+    serve as well."""
+    speed_ratio, by_ratio = point.speed_ratio, point.by_ratio
     assert speed_ratio is not None
     ratio = speed_ratio * (1.0 - point.slip)
-    last_ratio = last_off = math.nan
     for count in range(1, MOST_SOLVES + 1):
         found = _steady(states, parameters, point, ratio)
         if found.reason is not None:
             return found
-        point = replace(point, near=found.near)
-        off = speed_ratio * (1.0 - found.values["slip"]) - ratio
-        if abs(off / ratio) < (RATIO_TOLERANCE if count == 1 else CORRECTED):
-            return found._replace(solves=count)
-        change = off if count == 1 or off == last_off else -off * (ratio - last_ratio) / (off - last_off)
-        last_ratio, last_off, ratio = ratio, off, ratio + change
+        if not by_ratio:
+            found_by = states.unit.gradient(["initial.ratio"])
+            rows = {one["name"]: row[0] or 0.0 for one, row in zip(found_by["outputs"], found_by["gradient"], strict=True)}
+            by_ratio = tuple(rows[name] for name in STEADY)
+        change = (speed_ratio * (1.0 - found.values["slip"]) - ratio) / (1.0 + speed_ratio * by_ratio[STEADY.index("slip")])
+        if abs(change / ratio) < RATIO_TOLERANCE:
+            values = {name: value + slope * change for (name, value), slope in zip(found.values.items(), by_ratio, strict=True)}
+            return found._replace(values=values, solves=count + (not point.by_ratio), by_ratio=by_ratio)
+        point, ratio = replace(point, near=found.near), ratio + change
     return Found({}, f"no geometric ratio gives the speed ratio {speed_ratio:g}")
 
 

@@ -43,6 +43,7 @@ class Point:
     measured: tuple[Measured, ...]
     slip: float = 0.0  # Estimate of the model's slip, from which the search for a speed ratio starts
     near: bytes = field(default=b"", repr=False)  # Stored steady state of the model, near which others of this point are sought first
+    by_ratio: tuple[float, ...] = ()  # Derivatives of the model's thrust ratio, slip and efficiency with respect to the geometric ratio there
     samples: tuple[tuple[float, float, float, float, float, float], ...] = ()
     """Of a recorded shift: time from the first one in s, primary speed, primary torque, primary force, secondary force, ratio; SI."""
 
