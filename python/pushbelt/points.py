@@ -218,7 +218,7 @@ class WorkingPoints:
     def _bands(self, point: Point, deviations: Mapping[str, float]) -> Bands:
         for name in deviations.keys() - set(Point._fields):
             item(self._values, name, "variator", "parameter")
-        outputs = self._steady(self._values, point).outputs
+        outputs = self._steady(point).outputs
         assert self._last_steady is not None
         return bands(self._states, outputs, self._last_steady[2], lambda changes: self._changed(self._values, point, changes), deviations)
 

@@ -34,7 +34,7 @@ from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.unit import belt_described
 from pushbelt.tables import columns, points
-from pushbelt.tables.sheet import TableError
+from pushbelt.tables.sheet import TableError, same
 
 from . import parameters
 
@@ -199,6 +199,8 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     laws = [misfit.friction_over(rig, options.friction_over, chosen)] if options.friction_over else []
     groups = misfit.friction_by(rig, options.friction_by, chosen) if options.friction_by else None
     laws += groups.causes if groups else []
+    used = [name for name in (options.friction_over, options.friction_by) if name]
+    rig.sheet.ignored = [title for title in rig.sheet.ignored if not any(same(name, title) for name in used)]
     chosen += [law.size for law in laws]
     begin = time.perf_counter()
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
