@@ -10,6 +10,9 @@
 //! on the pulley: axial force N cos β − f_f sin β on each sheave, its moment ϱ (cos θ, sin θ),
 //! torque −2 ϱ (f_t + f_f sin β ∂w/∂θ/ϱ).
 //!
+//! With free [`pitch`](crate::pitch) a flank touches at two heights y, at p + y b, of the speed
+//! v + y Π a, where ϱ − y takes the place of ϱ in g.
+//!
 //! In a step N is linear in ġ, with its damping, and friction is −c (v_t, v_f) with the secant c of
 //! the step before. What belt and pulley get are the forces at the speeds after the step.
 

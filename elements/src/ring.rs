@@ -17,7 +17,8 @@
 //!   e_1 q about the rocking edge acts on both neighbours, ∓(e_1 q/2h) o_i, since they orient the
 //!   element.
 //!
-//! All layers have the same mean speed. What layers lose on each other is not in this model.
+//! With free [`pitch`](crate::pitch) Π takes the place of Ω in s, e_1 q acts on the element alone,
+//! and the neighbours have the couple of the crown. All layers have the same mean speed. What layers lose on each other is not in this model.
 //! Left out: Ṡ ∂w/∂S beside ẇ.
 
 use crate::belt::{Belt, Vector, chords, close, cross, dot};
