@@ -137,10 +137,10 @@ def draw(picture: Path) -> None:
             for pulley, style in (("secondary", "-"), ("primary", "--")):
                 column = f"{pulley}.{of}.N"
                 found = [(speed, unit * tones[f"{name}-0.4-15kN-{speed}", ""][column]) for speed in (100, 200, 400)]
-                axes.plot(*zip(*found, strict=True), style, color=colour, lw=1.2, marker="o", ms=4, label=f"r_S/r_P {RATIOS[name]:g}, {pulley[0].upper()}")
+                axes.plot(*zip(*found, strict=True), style, color=colour, lw=1.2, marker="o", ms=4, label=f"r_S/r_P {RATIOS[name]:g}, {pulley[0].upper()}" if unit == 1.0 else "")
                 spread = [(speed, unit * tones[key, ""][column]) for speed in (100, 200, 400) if (key := f"{name}-0.4-15kN-{speed}-spread", "") in tones]
                 axes.plot(*zip(*spread, strict=True), "o", color=colour, ms=4, mfc="none")
-        axes.set_yscale("log")
+        axes.set(yscale="log", ylim=(0.02, 300.0) if unit == 1.0 else None)
     for axes in places.flat:
         if axes.get_legend_handles_labels()[1]:
             axes.legend(frameon=False, fontsize=7, loc="best")
