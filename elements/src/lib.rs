@@ -43,6 +43,12 @@ macro_rules! cut {
     ($n:expr; $of:expr => $($row:ident),+) => { $(let $row = &$of.$row[..$n];)+ };
 }
 
+/// Adds values to sums.
+#[inline(always)]
+fn add<'a>(sums: impl IntoIterator<Item = &'a mut f64>, values: impl IntoIterator<Item = f64>) {
+    sums.into_iter().zip(values).for_each(|(sum, value)| *sum += value);
+}
+
 /// Checks that a value is what it should be, within a fraction of it.
 #[cfg(test)]
 #[track_caller]

@@ -43,7 +43,7 @@ pub fn page(mut run: Run, figures: &str) -> Result<String, Fault> {
     let fields = fields.map(|(field, (name, unit))| format!("{name}: {{unit: {unit:e}, of: {field:?}}}, "));
     let (thickness, distance) = (law.thickness, law.axes[1]);
     let (pitch, step) = (law.parameters.belt.pitch_offset, steps as f64 * machine.dt);
-    let [_, radii, speeds, _] = result.means;
+    let [_, radii, speeds, ..] = result.means;
     let data = fields.collect::<String>()
         + &format!("count: {n}, thickness: {thickness}, pitch: {pitch}, distance: {distance}, ")
         + &format!("step: {step}, radii: {radii:?}, speeds: {speeds:?}");
