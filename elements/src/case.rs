@@ -1,10 +1,7 @@
 //! A case: a belt in a steady state, held at a ratio under a force of the secondary pulley and a
 //! share of the torque of full slip.
 
-use crate::belt::Vector;
-use crate::law::{Law, Options};
-use crate::machine::Machine;
-use crate::pulleys::{Cone, Shaft};
+use crate::{Cone, Law, Machine, Options, Shaft, Vector};
 use pushbelt::contact::full_slip_torque;
 use pushbelt::variator::settings::{ParameterError, Parameters};
 

@@ -16,10 +16,8 @@
 //! In a step N is linear in ġ, with its damping, and friction is −c (v_t, v_f) with the secant c of
 //! the step before. What belt and pulley get are the forces at the speeds after the step.
 
-use crate::add;
-use crate::belt::{Belt, Vector, dot};
-use crate::law::Law;
-use crate::pulleys::{Load, Pulley};
+use crate::belt::{add, dot};
+use crate::{Belt, Law, Load, Pulley, Vector};
 use pushbelt::contact::{FlankMotion, flank_force};
 use pushbelt::scalar::{LANES, Lanes, Real as _};
 

@@ -1,6 +1,6 @@
 //! Constants of the laws, from the parameters of the FMU.
 
-use crate::oil::Oil;
+use crate::stack::Oil;
 use pushbelt::contact::Contact;
 use pushbelt::pulley::Wedge;
 use pushbelt::variator::settings::{ParameterError, Parameters, PulleyParameters};
@@ -134,15 +134,17 @@ impl Law {
             return error(name, thickness, "50 to 100000 elements in the belt");
         }
         let Some(radii) = parameters.pitch_radii(1.0) else {
-            return error(
-                "geometry.beltLength",
-                geometry.belt_length,
-                "a belt that closes at ratio 1",
-            );
+            let range = "a belt that closes at ratio 1";
+            return error("geometry.beltLength", geometry.belt_length, range);
         };
         // The stack is as long as it shall be; the thickness gives way by less than h/2N.
         let thickness = (pitch_length - belt.play) / count;
-        let beta = geometry.wedge_angle;
+        let (sin, cos) = (geometry.wedge_angle.sin(), geometry.wedge_angle.cos());
+        let tan = geometry.wedge_angle.tan();
+        let mut unit_damped = parameters.contact.clone();
+        unit_damped.damping = 1.0;
+        let gauss = [-1.0, 1.0].map(|side| (-options.flank * (0.5 + side / 12_f64.sqrt()), 0.5));
+        let pitches = options.pitch;
         Ok(Self {
             options: options.clone(),
             count: count as usize,
@@ -152,25 +154,12 @@ impl Law {
             push_stiffness: belt.push_stiffness / thickness,
             oil,
             lever,
-            crown: if options.pitch { options.crown - lever } else { 0.0 },
-            unit_damped: Contact {
-                damping: 1.0,
-                ..parameters.contact.clone()
-            },
-            wedge: Wedge {
-                sin: beta.sin(),
-                cos: beta.cos(),
-                tan: beta.tan(),
-            },
+            crown: if pitches { options.crown - lever } else { 0.0 },
+            unit_damped,
+            wedge: Wedge { sin, cos, tan },
             r0: radii.primary,
             axes: [0.0, geometry.center_distance],
-            heights: if options.pitch {
-                [-1.0, 1.0]
-                    .map(|side| (-options.flank * (0.5 + side / 12_f64.sqrt()), 0.5))
-                    .to_vec()
-            } else {
-                vec![(0.0, 1.0)]
-            },
+            heights: if pitches { gauss.to_vec() } else { vec![(0.0, 1.0)] },
             parameters: parameters.clone(),
         })
     }

@@ -43,17 +43,18 @@ macro_rules! cut {
     ($n:expr; $of:expr => $($row:ident),+) => { $(let $row = &$of.$row[..$n];)+ };
 }
 
-/// Adds values to sums.
-#[inline(always)]
-fn add<'a>(sums: impl IntoIterator<Item = &'a mut f64>, values: impl IntoIterator<Item = f64>) {
-    sums.into_iter().zip(values).for_each(|(sum, value)| *sum += value);
-}
-
 /// Checks that a value is what it should be, within a fraction of it.
 #[cfg(test)]
 #[track_caller]
 fn near(found: f64, expected: f64, within: f64) {
     assert!((found / expected - 1.0).abs() < within, "{found} instead of {expected}");
+}
+
+/// The laws of the default belt, of `count` elements.
+#[cfg(test)]
+fn law(count: usize, options: &Options) -> Law {
+    let law = Law::new(&Default::default(), options).unwrap();
+    Law { count, ..law }
 }
 
 pub mod belt;
@@ -62,10 +63,16 @@ pub mod cyclic;
 pub mod flanks;
 pub mod law;
 pub mod machine;
-pub mod oil;
 pub mod pitch;
 pub mod pulleys;
 pub mod ring;
 pub mod run;
 pub mod stack;
 pub mod tone;
+
+pub use belt::{Belt, Vector};
+pub use case::Case;
+pub use law::{Law, Options};
+pub use machine::{Fault, Ledger, Machine};
+pub use pulleys::{Cone, Load, Pulley, Shaft};
+pub use run::{Row, Run};

@@ -5,15 +5,10 @@
 //! diagonals). Contact, dampings, oil and friction are linear in the speeds after the step; each
 //! pair of bodies gets the same force.
 
-use crate::add;
-use crate::belt::{Belt, Vector, close, cross, dot};
+use crate::belt::{add, close, cross, dot};
 use crate::cyclic::{Pentadiagonal, Tridiagonal};
-use crate::flanks::Flanks;
-use crate::law::Law;
-use crate::pitch::Pitch;
-use crate::pulleys::{Cone, Load, Pulley, Shaft};
-use crate::ring::Ring;
-use crate::stack::Stack;
+use crate::{Belt, Cone, Law, Load, Pulley, Shaft, Vector};
+use crate::{flanks::Flanks, pitch::Pitch, ring::Ring, stack::Stack};
 use pushbelt::contact::energy_density;
 use pushbelt::pulley::Travel;
 use pushbelt::scalar::Real as _;

@@ -19,12 +19,8 @@
 //! precede those of V and U in a step; cos (θ_{i+1} − θ_i) is 1. Left out: friction between
 //! faces, a centre of mass away from the rocking edge.
 
-use crate::add;
-use crate::belt::{Belt, Vector, close, dot};
-use crate::flanks::Flank;
-use crate::law::Law;
-use crate::ring::Ring;
-use crate::stack::Stack;
+use crate::belt::{add, close, dot};
+use crate::{Belt, Law, Vector, flanks::Flank, ring::Ring, stack::Stack};
 
 /// Stiffness of a peg in its hole, N/m, and its damping time, s.
 const PEG: f64 = 5.0e6;
@@ -116,8 +112,7 @@ impl Pitch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::Options;
-    use pushbelt::variator::settings::Parameters;
+    use crate::{Options, law};
 
     /// Couples are the falls of the energy with the pitch, at gaps that are open and closed, pegs
     /// that touch or not.
@@ -126,8 +121,7 @@ mod tests {
         let (n, step) = (9, 1.0e-9);
         let mut options = Options::default();
         (options.pitch, options.clearance) = (true, 2.0e-5);
-        let law = Law::new(&Parameters::default(), &options).unwrap();
-        let law = Law { count: n, ..law };
+        let law = law(n, &options);
         let chance = |k: usize| ((k * 37 + 11) % 19) as f64 / 9.0 - 1.0;
         let mut belt = Belt::new(n);
         // An arc of 40 mm, with gaps of ± 0.3 µm, closed far from contact.

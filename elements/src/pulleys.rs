@@ -128,11 +128,10 @@ impl Pulley {
     /// Stored energy, J, without that of a shaft whose speed is given.
     pub fn energy(&self, of: &PulleyParameters, shaft: Shaft) -> f64 {
         let inertia = if shaft == Shaft::Speed { 0.0 } else { of.inertia };
-        let tilt = if of.tilt.is_rigid() {
-            0.0
-        } else {
-            of.tilt.energy(self.tilt)
-        };
-        0.5 * inertia * self.omega * self.omega + 2.0 * tilt + 0.5 * of.sheave_mass * self.z_dot * self.z_dot
+        let tilt = &of.tilt;
+        let tilted = if tilt.is_rigid() { 0.0 } else { tilt.energy(self.tilt) };
+        0.5 * inertia * self.omega * self.omega
+            + 2.0 * tilted
+            + 0.5 * of.sheave_mass * self.z_dot * self.z_dot
     }
 }

@@ -1,7 +1,6 @@
 //! `--report`: a page that plays a case.
 
-use pushbelt_elements::machine::{Fault, Ledger};
-use pushbelt_elements::run::Run;
+use pushbelt_elements::{Fault, Ledger, Run};
 
 const PAGE: &str = include_str!("../page/case.html");
 const STYLE: &str = include_str!("../../python/pushbelt/report/style.css");

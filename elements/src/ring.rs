@@ -155,15 +155,12 @@ impl Ring {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::Options;
-    use crate::near;
-    use pushbelt::variator::settings::Parameters;
+    use crate::{Options, law, near};
 
     /// The slopes of a step are those of tension with Δt + η and of moments with Δt + η_κ.
     #[test]
     fn slopes_are_differences() {
-        let law = Law::new(&Parameters::default(), &Options::default()).unwrap();
-        let law = Law { count: 20, ..law };
+        let law = law(20, &Options::default());
         let (dt, moved) = (2.0e-6, 1.0e-3);
         // Forces on the nodes of a straight row with a speed of node 10 along or across it.
         let forces = |u: f64, w: f64| {

@@ -1,10 +1,9 @@
 //! A run of a case: means over milliseconds, fields along the belt, and a state from which it goes
 //! on.
 
-use crate::add;
+use crate::belt::add;
 use crate::case::{Case, Path, SHIFT, short};
-use crate::machine::{Fault, Ledger, Machine};
-use crate::tone;
+use crate::{Fault, Ledger, Machine, tone};
 use pushbelt::variator::settings::ParameterError;
 use pushbelt_archive::Archive;
 

@@ -5,9 +5,7 @@
 //! a revolution. The amplitude of x at the order k is |Σ h (x − x̄) e^{−2πikφ}| 2/Σ h with Hann's
 //! window h over the part of the run that is its result.
 
-use crate::add;
-use crate::belt::Vector;
-use crate::machine::Machine;
+use crate::{Machine, Vector, belt::add};
 use std::f64::consts::TAU;
 
 /// Signals: phase; axial forces and torques of the belt on S and P; of element 1 its place along

@@ -3,12 +3,7 @@
 
 use pushbelt::variator::settings::{Parameters, RIGID_TILT_STIFFNESS};
 use pushbelt_archive::Archive;
-use pushbelt_elements::belt::Vector;
-use pushbelt_elements::case::Case;
-use pushbelt_elements::law::{Law, Options};
-use pushbelt_elements::machine::Machine;
-use pushbelt_elements::pulleys::{Cone, Shaft};
-use pushbelt_elements::run::{Row, Run};
+use pushbelt_elements::{Case, Cone, Law, Machine, Options, Row, Run, Shaft, Vector};
 
 fn short(name: &str, duration: f64) -> Case {
     let mut case = Case::named(name).unwrap();
