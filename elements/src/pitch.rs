@@ -20,7 +20,7 @@
 //! faces, a centre of mass away from the rocking edge.
 
 use crate::belt::{add, close, dot};
-use crate::{Belt, Law, Vector, flanks::Flank, ring::Ring, stack::Stack};
+use crate::{Belt, Law, Vector, cyclic::Rows, flanks::Flank, ring::Ring, stack::Stack};
 
 /// Stiffness of a peg in its hole, N/m, and its damping time, s.
 const PEG: f64 = 5.0e6;
@@ -51,14 +51,7 @@ impl Pitch {
     }
 
     /// The equations of Π: falls on the `diagonal` and `off` it, couples on the right.
-    pub fn rows(
-        &self,
-        law: &Law,
-        dt: f64,
-        belt: &Belt,
-        of: (&[Stack; 2], &Ring, &[Flank]),
-        rows: [&mut [f64]; 3],
-    ) {
+    pub fn rows(&self, law: &Law, dt: f64, belt: &Belt, of: (&[Stack; 2], &Ring, &[Flank]), rows: Rows<'_>) {
         let (n, height, inertia) = (law.count, law.options.head, law.parameters.belt.element_inertia);
         let ([edges, heads], ring, flank) = of;
         let [diagonal, off, right] = rows.map(|row| &mut row[..n]);

@@ -22,7 +22,7 @@
 //! Left out: Ṡ ∂w/∂S beside ẇ.
 
 use crate::belt::{Belt, Vector, chords, close, cross, dot};
-use crate::law::Law;
+use crate::{cyclic::Rows, law::Law};
 
 rows! {
     /// Forces of the ring, of its chords and its nodes.
@@ -110,7 +110,7 @@ impl Ring {
 
     /// The equations of w: m/Δt + slopes and friction on the `diagonal`, F·t − m U Ω_r − q on the
     /// right.
-    pub fn rows(&self, law: &Law, dt: f64, belt: &Belt, rows: [&mut [f64]; 3]) {
+    pub fn rows(&self, law: &Law, dt: f64, belt: &Belt, rows: Rows<'_>) {
         let (n, per_step) = (law.count, 1.0 / dt);
         let [diagonal, off, right] = rows.map(|row| &mut row[..n]);
         cut!(n + 1; belt => v, w, spin);

@@ -18,7 +18,7 @@
 //! c' = S/ġ at the speed of the step before.
 
 use crate::belt::{Belt, Vector, cross, dot};
-use crate::law::Law;
+use crate::{cyclic::Rows, law::Law};
 use pushbelt::scalar::{LANES, Lanes, Real, soft_plus_energy};
 
 /// Oil between heads over that between faces, by the cube of their heights.
@@ -126,7 +126,7 @@ impl Stack {
 
     /// Adds the gaps' part to the equations of V: their slopes to `diagonal`, `off`, the push
     /// forces along t to `right`.
-    pub fn rows(&self, law: &Law, belt: &Belt, [diagonal, off, right]: [&mut [f64]; 3]) {
+    pub fn rows(&self, law: &Law, belt: &Belt, [diagonal, off, right]: Rows<'_>) {
         let n = law.count;
         cut!(n + 1; self => push, slope);
         cut!(n + 1; belt => normal, t);
