@@ -5,7 +5,7 @@
 //! is stiffer than the sheave. Both sheaves of a pulley tilt alike. Cylinders, seals and the
 //! springs of end stops are not in this model: a cone that reaches an end stop ends the run.
 
-use crate::belt::Vector;
+use crate::belt::{Vector, add};
 use pushbelt::variator::settings::PulleyParameters;
 
 /// What the belt does to a pulley, and what it loses there.
@@ -119,9 +119,7 @@ impl Pulley {
             (d * right[0] - xy * right[1]) / determinant,
             (a * right[1] - xy * right[0]) / determinant,
         ];
-        for axis in 0..2 {
-            self.tilt[axis] += dt * self.tilt_rate[axis];
-        }
+        add(&mut self.tilt, self.tilt_rate.map(|rate| dt * rate));
         2.0 * dt * of.tilt.loss(self.tilt, self.tilt_rate)
     }
 

@@ -46,11 +46,8 @@ pub fn page(mut run: Run, figures: &str) -> Result<String, Fault> {
     let data = fields.collect::<String>()
         + &format!("count: {n}, thickness: {thickness}, pitch: {pitch}, distance: {distance}, ")
         + &format!("step: {step}, radii: {radii:?}, speeds: {speeds:?}");
-    let parts = [
-        ("style", STYLE),
-        ("case", &run.case.name),
-        ("losses", &losses.collect::<String>()),
-    ];
+    let losses = losses.collect::<String>();
+    let parts = [("style", STYLE), ("case", &run.case.name), ("losses", &losses)];
     let parts = parts.into_iter().chain([("figures", figures), ("data", &data)]);
     Ok(parts.fold(PAGE.to_owned(), |page, (name, text)| {
         page.replace(&format!("{{{{{name}}}}}"), text)

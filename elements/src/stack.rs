@@ -208,14 +208,14 @@ mod tests {
         Law { oil, ..law }
     }
 
-    fn dry() -> Oil {
-        Oil::of_squeeze(0.0, 6.0e-6, 1.5e-3, 19.0)
+    fn oil(squeeze: f64) -> Oil {
+        Oil::of_squeeze(squeeze, 6.0e-6, 1.5e-3, 19.0)
     }
 
     /// √(k_e/m_e) = 2742 m/s.
     #[test]
     fn a_pulse_in_a_straight_stack_travels_at_the_speed_of_its_waves() {
-        let mut row = Straight::new(law(400, dry()), 1.0e-8, -5.0e-6);
+        let mut row = Straight::new(law(400, oil(0.0)), 1.0e-8, -5.0e-6);
         row.law.parameters.belt.damping = 0.0;
         let middle = 200.5;
         for (i, v) in row.belt.v.iter_mut().enumerate() {
@@ -236,7 +236,7 @@ mod tests {
     /// A constant force F closes a gap: 1/(h_0 + g)² = 1/(h_0 + g_0)² + 2 F t/C.
     #[test]
     fn a_gap_closes_over_oil_as_reynolds_says() {
-        let oil = Oil::of_squeeze(75.0, 6.0e-6, 1.5e-3, 19.0);
+        let oil = oil(75.0);
         let (start, force) = (50.0e-6, 1.0);
         let mut row = Straight::new(law(7, oil), 1.0e-7, start);
         row.law.parameters.belt.roughness = 1.0e-9;
@@ -262,22 +262,21 @@ mod tests {
     fn the_constant_of_a_rectangle_is_that_of_the_series() {
         let (a, b) = (8.0e-3_f64, 24.0e-3_f64);
         let pi = std::f64::consts::PI;
-        let series: f64 = (0..60)
-            .map(|k| {
-                let n = f64::from(2 * k + 1);
-                let half = n * pi * b / (2.0 * a);
-                (1.0 - half.tanh() / half) * 96.0 / (n * pi).powi(4)
-            })
-            .sum();
+        let terms = (0..60).map(|k| {
+            let n = f64::from(2 * k + 1);
+            let half = n * pi * b / (2.0 * a);
+            (1.0 - half.tanh() / half) * 96.0 / (n * pi).powi(4)
+        });
+        let series = terms.sum::<f64>();
         near(1.0 - 0.63 * a / b, series, 0.01);
         let full = 0.01 * a.powi(3) * b * series;
-        near(Oil::of_squeeze(75.0, 6.0e-6, 1.5e-3, 19.0).constant, 0.1 * full, 0.15);
+        near(oil(75.0).constant, 0.1 * full, 0.15);
     }
 
     /// The suction never exceeds that at which oil cavitates.
     #[test]
     fn oil_cavitates() {
-        let oil = Oil::of_squeeze(75.0, 6.0e-6, 1.5e-3, 19.0);
+        let oil = oil(75.0);
         for rate in [1e-4, 1e-2, 1.0, 100.0] {
             assert!(oil.coefficient(0.0, rate) * rate <= oil.suction);
             assert!(oil.coefficient(0.0, -rate) * rate >= oil.coefficient(0.0, rate) * rate);
@@ -289,7 +288,7 @@ mod tests {
     fn the_slope_of_a_step_is_that_of_the_law() {
         let dt = 2.0e-6;
         let push = |gap: f64, rate: f64, dt: f64| {
-            let mut row = Straight::new(law(7, dry()), dt, gap);
+            let mut row = Straight::new(law(7, oil(0.0)), dt, gap);
             row.belt.v[2].re = rate;
             row.evaluate();
             (row.stack.push[1], row.stack.slope[1])
