@@ -34,6 +34,12 @@ pub fn cross(a: Vector, b: Vector) -> f64 {
     a.re * b.im - a.im * b.re
 }
 
+/// Adds values to sums.
+#[inline(always)]
+pub(crate) fn add<'a>(sums: impl IntoIterator<Item = &'a mut f64>, values: impl IntoIterator<Item = f64>) {
+    sums.into_iter().zip(values).for_each(|(sum, value)| *sum += value);
+}
+
 /// Copies the last value before the first, and the first behind the last.
 pub fn close<T: Copy>(values: &mut [T]) {
     let n = values.len() - 2;

@@ -42,18 +42,11 @@ pub fn line(case: &Case, (_, ring, mesh): (&str, RingModel, i32)) -> Result<Stri
         let rate = (-after(0.5 * SHIFT)? + after(SHIFT)?) / (0.5 * SHIFT);
         return Ok(csv(&[&held[..], &[rate, rate / step]].concat()));
     }
-    let mut values = vec![
-        outputs.ratio_geometric,
-        outputs.thrust_ratio,
-        outputs.slip,
-        outputs.belt_efficiency,
-        outputs.primary.idle_arc,
-        outputs.secondary.idle_arc,
-        outputs.push_force_max,
-        outputs.losses.sheaves,
-        outputs.losses.ring,
-        outputs.losses.other,
-    ];
+    let mut values = vec![outputs.ratio_geometric, outputs.thrust_ratio];
+    values.extend([outputs.slip, outputs.belt_efficiency]);
+    values.extend([outputs.primary, outputs.secondary].map(|pulley| pulley.idle_arc));
+    let losses = outputs.losses;
+    values.extend([outputs.push_force_max, losses.sheaves, losses.ring, losses.other]);
     values.extend(after_jolt(&mut variator, &inputs)?);
     Ok(csv(&values))
 }
@@ -99,9 +92,8 @@ fn steady(case: &Case, ring: RingModel, mesh: i32) -> Result<(Variator, Inputs),
         variator.initialise(0.0, &inputs)?;
         let (messages, outputs) = (variator.take_messages(), variator.outputs());
         if outputs.start_state != StartState::Steady {
-            return Err(messages
-                .first()
-                .map_or("no steady state".into(), |one| one.text.as_str().into()));
+            let cause = messages.first().map(|one| one.text.clone());
+            return Err(cause.unwrap_or("no steady state".into()).into());
         }
         let excess = outputs.ratio_geometric / case.ratio;
         if (excess - 1.0).abs() < RATIO {

@@ -3,6 +3,9 @@
 
 use crate::belt::Vector;
 
+/// Diagonal, row beside it, and right-hand side of [`Tridiagonal`].
+pub type Rows<'a> = [&'a mut [f64]; 3];
+
 rows! {
     /// A x = b with A of rows `off[i − 1]`, `diagonal[i]`, `off[i]`; `off[n − 1]` couples the last
     /// unknown with the first; n ≥ 5.

@@ -16,9 +16,8 @@
 //! In a step N is linear in ġ, with its damping, and friction is −c (v_t, v_f) with the secant c of
 //! the step before. What belt and pulley get are the forces at the speeds after the step.
 
-use crate::belt::{Belt, Vector, dot};
-use crate::law::Law;
-use crate::pulleys::{Load, Pulley};
+use crate::belt::{add, dot};
+use crate::{Belt, Law, Load, Pulley, Vector};
 use pushbelt::contact::{FlankMotion, flank_force};
 use pushbelt::scalar::{LANES, Lanes, Real as _};
 
@@ -122,13 +121,9 @@ impl Flanks {
                 of.moment += dot(force, touch.lever);
                 of.normal += touch.elastic;
                 of.sliding = sliding[k];
-                for (sum, value) in of.slope.iter_mut().zip([tt, to, oo]) {
-                    *sum += value;
-                }
+                add(&mut of.slope, [tt, to, oo]);
                 let couple = spin[0] * along + spin[1] * across;
-                for (sum, value) in of.spin.iter_mut().zip([spin[0], spin[1], couple]) {
-                    *sum += value;
-                }
+                add(&mut of.spin, [spin[0], spin[1], couple]);
             }
         }
     }
@@ -190,9 +185,7 @@ impl Flanks {
             let stiff = (touch.damping + touch.stiffness * dt) * cos_beta + touch.drag * sin_beta * sin_beta;
             let stiff = stiff * touch.rho * touch.rho;
             let squares = [around.re * around.re, around.re * around.im, around.im * around.im];
-            for (sum, part) in load.resistance.iter_mut().zip(squares) {
-                *sum += stiff * part;
-            }
+            add(&mut load.resistance, squares.map(|part| stiff * part));
             // e_r = (cos θ, −sin θ), e_t = (−sin θ, −cos θ).
             load.resultant += (polar(touch.turned, force) * around).conj();
             load.weight[0] += touch.elastic;

@@ -1,69 +1,73 @@
 //! Constants of the laws, from the parameters of the FMU.
 
-use crate::oil::Oil;
+use crate::stack::Oil;
 use pushbelt::contact::Contact;
 use pushbelt::pulley::Wedge;
 use pushbelt::variator::settings::{ParameterError, Parameters, PulleyParameters};
 
-/// What this model has beside the FMU's parameters, and the loads of a case.
-#[derive(Clone, Debug, PartialEq, clap::Parser)]
-pub struct Options {
-    /// Closing force of the secondary pulley, N
-    #[arg(long, default_value_t = 15.0e3)]
-    pub force: f64,
-    /// Speed of the primary pulley, rad/s
-    #[arg(long, default_value_t = 209.0)]
-    pub speed: f64,
-    /// Step of ln F_P after the held state; the result is the speed of the ratio 60 to 120 ms after it
-    #[arg(long, allow_negative_numbers = true)]
-    pub shift: Option<f64>,
-    /// Ratio at the start [default: that of the case]
-    #[arg(long)]
-    pub start_ratio: Option<f64>,
-    /// Duration, s, without that of a shift; its last quarter is the result [default: 0.3, at both
-    /// end ratios or below 100 rad/s 0.5]
-    #[arg(long)]
-    pub duration: Option<f64>,
-    /// Time step, s [default: 2e-6 at a primary speed of 200 rad/s, in proportion to 1/speed, at
-    /// most 4e-6]
-    #[arg(long)]
-    pub step: Option<f64>,
-    /// Oil: distance of rough faces in contact, m
-    #[arg(long, default_value_t = 6.0e-6)]
-    pub film: f64,
-    /// Oil: force per rate of strain at zero gap, N·s
-    #[arg(long, default_value_t = 75.0)]
-    pub squeeze: f64,
-    /// Lever of the ring's friction, m [default: that of the innermost layer]
-    #[arg(long)]
-    pub lever: Option<f64>,
-    /// Contact force of ring and element up to which it has no friction, N
-    #[arg(long, default_value_t = 0.0)]
-    pub contact_threshold: f64,
-    /// Damping time of the ring's curvature, s
-    #[arg(long, default_value_t = 2.0e-5)]
-    pub curvature_damping: f64,
-    /// Elements pitch by themselves, with heads, pegs, crowns and flanks that have a height
-    #[arg(long)]
-    pub pitch: bool,
-    /// Pitch: height of the heads' contact above the rocking edge, m
-    #[arg(long, default_value_t = 5.0e-3)]
-    pub head: f64,
-    /// Pitch: height of the flanks below the rocking edge, m
-    #[arg(long, default_value_t = 5.0e-3)]
-    pub flank: f64,
-    /// Pitch: radius of the saddle's crown along the belt, m
-    #[arg(long, default_value_t = 1.0e-2)]
-    pub crown: f64,
-    /// Pitch: clearance of a peg in its hole, m
-    #[arg(long, default_value_t = 8.0e-5)]
-    pub clearance: f64,
-    /// The line of the result has amplitudes of forces and torques at orders of the elements
-    #[arg(long)]
-    pub tone: bool,
-    /// Thickness: elements of 1 ± this share, in random order
-    #[arg(long, default_value_t = 0.0)]
-    pub spread: f64,
+/// A type of options of the program: with a default and a range, or neither.
+macro_rules! options {
+    ($(#[$of:meta])* $name:ident {
+        $($(#[$doc:meta])* $option:ident: $type:ty $(= $default:literal, $least:literal to $most:literal)?;)*
+    }) => {
+        $(#[$of])*
+        pub struct $name {
+            $($(#[$doc])* #[arg(long $(, default_value_t = $default)?)] pub $option: $type,)*
+        }
+
+        impl $name {
+            /// Names and values, with the least and the largest.
+            pub fn ranges(&self) -> Vec<(&'static str, f64, [f64; 2])> {
+                vec![$($((stringify!($option), self.$option, [$least, $most]),)?)*]
+            }
+        }
+    };
+}
+
+options! {
+    /// What this model has beside the FMU's parameters, and the loads of a case.
+    #[derive(Clone, Debug, PartialEq, clap::Parser)]
+    Options {
+        /// Closing force of the secondary pulley, N
+        force: f64 = 15.0e3, 100.0 to 2.0e5;
+        /// Speed of the primary pulley, rad/s
+        speed: f64 = 209.0, 1.0 to 2.0e3;
+        /// Step of ln F_P after the held state; the result is the speed of the ratio 60 to 120 ms after it
+        #[arg(allow_negative_numbers = true)]
+        shift: Option<f64>;
+        /// Ratio at the start [default: that of the case]
+        start_ratio: Option<f64>;
+        /// Duration, s, without that of a shift; its last quarter is the result [default: 0.3, at both
+        /// end ratios or below 100 rad/s 0.5]
+        duration: Option<f64>;
+        /// Time step, s [default: 2e-6 at a primary speed of 200 rad/s, in proportion to 1/speed, at
+        /// most 4e-6]
+        step: Option<f64>;
+        /// Oil: distance of rough faces in contact, m
+        film: f64 = 6.0e-6, 1.0e-9 to 1.0e-3;
+        /// Oil: force per rate of strain at zero gap, N·s
+        squeeze: f64 = 75.0, 0.0 to 1.0e5;
+        /// Lever of the ring's friction, m [default: that of the innermost layer]
+        lever: Option<f64>;
+        /// Contact force of ring and element up to which it has no friction, N
+        contact_threshold: f64 = 0.0, 0.0 to 1.0e3;
+        /// Damping time of the ring's curvature, s
+        curvature_damping: f64 = 2.0e-5, 0.0 to 1.0;
+        /// Elements pitch by themselves, with heads, pegs, crowns and flanks that have a height
+        pitch: bool;
+        /// Pitch: height of the heads' contact above the rocking edge, m
+        head: f64 = 5.0e-3, 1.0e-4 to 0.1;
+        /// Pitch: height of the flanks below the rocking edge, m
+        flank: f64 = 5.0e-3, 0.0 to 0.1;
+        /// Pitch: radius of the saddle's crown along the belt, m
+        crown: f64 = 1.0e-2, 0.0 to 1.0;
+        /// Pitch: clearance of a peg in its hole, m
+        clearance: f64 = 8.0e-5, 0.0 to 1.0e-3;
+        /// The line of the result has amplitudes of forces and torques at orders of the elements
+        tone: bool;
+        /// Thickness: elements of 1 ± this share, in random order
+        spread: f64 = 0.0, 0.0 to 0.2;
+    }
 }
 
 impl Default for Options {
@@ -134,15 +138,17 @@ impl Law {
             return error(name, thickness, "50 to 100000 elements in the belt");
         }
         let Some(radii) = parameters.pitch_radii(1.0) else {
-            return error(
-                "geometry.beltLength",
-                geometry.belt_length,
-                "a belt that closes at ratio 1",
-            );
+            let range = "a belt that closes at ratio 1";
+            return error("geometry.beltLength", geometry.belt_length, range);
         };
         // The stack is as long as it shall be; the thickness gives way by less than h/2N.
         let thickness = (pitch_length - belt.play) / count;
-        let beta = geometry.wedge_angle;
+        let (sin, cos) = (geometry.wedge_angle.sin(), geometry.wedge_angle.cos());
+        let tan = geometry.wedge_angle.tan();
+        let mut unit_damped = parameters.contact.clone();
+        unit_damped.damping = 1.0;
+        let gauss = [-1.0, 1.0].map(|side| (-options.flank * (0.5 + side / 12_f64.sqrt()), 0.5));
+        let pitches = options.pitch;
         Ok(Self {
             options: options.clone(),
             count: count as usize,
@@ -152,25 +158,12 @@ impl Law {
             push_stiffness: belt.push_stiffness / thickness,
             oil,
             lever,
-            crown: if options.pitch { options.crown - lever } else { 0.0 },
-            unit_damped: Contact {
-                damping: 1.0,
-                ..parameters.contact.clone()
-            },
-            wedge: Wedge {
-                sin: beta.sin(),
-                cos: beta.cos(),
-                tan: beta.tan(),
-            },
+            crown: if pitches { options.crown - lever } else { 0.0 },
+            unit_damped,
+            wedge: Wedge { sin, cos, tan },
             r0: radii.primary,
             axes: [0.0, geometry.center_distance],
-            heights: if options.pitch {
-                [-1.0, 1.0]
-                    .map(|side| (-options.flank * (0.5 + side / 12_f64.sqrt()), 0.5))
-                    .to_vec()
-            } else {
-                vec![(0.0, 1.0)]
-            },
+            heights: if pitches { gauss.to_vec() } else { vec![(0.0, 1.0)] },
             parameters: parameters.clone(),
         })
     }

@@ -50,16 +50,29 @@ fn near(found: f64, expected: f64, within: f64) {
     assert!((found / expected - 1.0).abs() < within, "{found} instead of {expected}");
 }
 
+/// The laws of the default belt, of `count` elements.
+#[cfg(test)]
+fn law(count: usize, options: &Options) -> Law {
+    let law = Law::new(&Default::default(), options).unwrap();
+    Law { count, ..law }
+}
+
 pub mod belt;
 pub mod case;
 pub mod cyclic;
 pub mod flanks;
 pub mod law;
 pub mod machine;
-pub mod oil;
 pub mod pitch;
 pub mod pulleys;
 pub mod ring;
 pub mod run;
 pub mod stack;
 pub mod tone;
+
+pub use belt::{Belt, Vector};
+pub use case::Case;
+pub use law::{Law, Options};
+pub use machine::{Fault, Ledger, Machine};
+pub use pulleys::{Cone, Load, Pulley, Shaft};
+pub use run::{Row, Run};

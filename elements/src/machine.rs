@@ -5,14 +5,10 @@
 //! diagonals). Contact, dampings, oil and friction are linear in the speeds after the step; each
 //! pair of bodies gets the same force.
 
-use crate::belt::{Belt, Vector, close, cross, dot};
+use crate::belt::{add, close, cross, dot};
 use crate::cyclic::{Pentadiagonal, Tridiagonal};
-use crate::flanks::Flanks;
-use crate::law::Law;
-use crate::pitch::Pitch;
-use crate::pulleys::{Cone, Load, Pulley, Shaft};
-use crate::ring::Ring;
-use crate::stack::Stack;
+use crate::{Belt, Cone, Law, Load, Pulley, Shaft, Vector};
+use crate::{flanks::Flanks, pitch::Pitch, ring::Ring, stack::Stack};
 use pushbelt::contact::energy_density;
 use pushbelt::pulley::Travel;
 use pushbelt::scalar::Real as _;
@@ -148,7 +144,7 @@ impl Machine {
         self.three.solve(diagonal, off, right);
         dw[1..=n].copy_from_slice(right);
         close(dw);
-        belt.w.iter_mut().zip(&*dw).for_each(|(w, change)| *w += change);
+        add(&mut belt.w, dw.iter().copied());
         self.ring.correct(law, belt, dw);
 
         if free {
@@ -254,9 +250,7 @@ impl Machine {
         let [edges, heads] = self.stacks.each_ref().map(Stack::losses);
         let (oiled, damped) = (edges[0] + heads[0], edges[1] + heads[1] + self.pitch.loss());
         let powers = [s.friction, p.friction, viscous, rubbed, oiled, damped, stretch, bend];
-        for (entry, power) in self.ledger.0[4..12].iter_mut().zip(powers) {
-            *entry += self.dt * power;
-        }
+        add(&mut self.ledger.0[4..12], powers.map(|power| self.dt * power));
     }
 
     /// Stored energy, J: motion of elements and ring, stack, stretch, bending, flanks, pulleys.
@@ -275,20 +269,15 @@ impl Machine {
         for touch in &self.flanks.touches {
             let penetration = touch.motion.penetration;
             let depth = penetration.soft_plus(contact.roughness).value;
-            energy += 2.0
-                * touch.share
-                * law.thickness
-                * energy_density(contact, law.wedge.cos, penetration, depth);
+            let density = energy_density(contact, law.wedge.cos, penetration, depth);
+            energy += 2.0 * touch.share * law.thickness * density;
         }
         energy += Stack::energy(law, belt, 0.0);
         if law.options.pitch {
             energy += Stack::energy(law, belt, law.options.head) + Pitch::energy(law, belt);
         }
-        let pulleys = self.pulleys.iter().zip(law.pulleys()).zip(&self.drive);
-        energy
-            + pulleys
-                .map(|((pulley, of), drive)| pulley.energy(of, drive.0))
-                .sum::<f64>()
+        let of = |j: usize| self.pulleys[j].energy(law.pulleys()[j], self.drive[j].0);
+        energy + (of(0) + of(1))
     }
 
     /// Checks the state.
@@ -330,32 +319,21 @@ impl Machine {
 
     /// Writes what changes in a run to an archive, or reads it.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
-        archive.real(&mut self.time);
-        archive.real(&mut self.dt);
-        let belt = &mut self.belt;
-        for Vector { re, im } in [&mut belt.p, &mut belt.v, &mut belt.t].into_iter().flatten() {
-            archive.real(re);
-            archive.real(im);
+        let (belt, contact) = (&mut self.belt, &mut self.ring.contact);
+        let vectors = [&mut belt.p, &mut belt.v, &mut belt.t].into_iter().flatten();
+        for value in vectors.flat_map(|vector| [&mut vector.re, &mut vector.im]) {
+            archive.real(value);
         }
-        for values in [
-            &mut belt.w,
-            &mut belt.s,
-            &mut belt.pitch,
-            &mut belt.spin,
-            &mut self.ring.contact,
-        ] {
-            archive.reals(values);
+        for row in [&mut belt.w, &mut belt.s, &mut belt.pitch, &mut belt.spin, contact] {
+            archive.reals(row);
         }
-        for p in &mut self.pulleys {
-            for value in [&mut p.omega, &mut p.z, &mut p.z_dot] {
-                archive.real(value);
-            }
-            archive.reals(&mut p.tilt);
-            archive.reals(&mut p.tilt_rate);
-        }
-        for load in &mut self.loads {
-            archive.reals(&mut load.weight);
+        for (p, load) in self.pulleys.iter_mut().zip(&mut self.loads) {
+            let speeds = [&mut p.omega, &mut p.z, &mut p.z_dot].into_iter();
+            let pairs = [&mut p.tilt, &mut p.tilt_rate, &mut load.weight].into_iter();
+            speeds.chain(pairs.flatten()).for_each(|value| archive.real(value));
         }
         archive.reals(&mut self.ledger.0);
+        archive.real(&mut self.time);
+        archive.real(&mut self.dt);
     }
 }

@@ -7,12 +7,10 @@ use clap::Parser as _;
 use pushbelt::fmi::table::{Kind, Value};
 use pushbelt::variator::settings::parameters;
 use pushbelt_archive::Archive;
-use pushbelt_elements::case::Case;
-use pushbelt_elements::law::Options;
-use pushbelt_elements::run::{Run, csv};
+use pushbelt_elements::{Case, Options, Run, run::csv};
 use std::error::Error;
 use std::fs;
-use std::io::{IsTerminal as _, Write as _};
+use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -132,12 +130,7 @@ fn one(of: &Arguments, name: &str, settings: &Settings, set: Option<&str>) -> Re
     let name = step.map_or_else(|| case.name.clone(), |step| format!("{}-shift{step:+}", case.name));
     let add = |file: &str, columns: &str, name: &str, line: &str| {
         let usual = of.output.join(format!("{file}.csv"));
-        add_line(
-            of.results.as_ref().unwrap_or(&usual),
-            &format!("case,{columns}"),
-            name,
-            line,
-        )
+        add_line(of.results.as_ref().unwrap_or(&usual), columns, name, line)
     };
     if of.continuum {
         if case.options.pitch || case.options.spread > 0.0 {
@@ -172,8 +165,8 @@ fn one(of: &Arguments, name: &str, settings: &Settings, set: Option<&str>) -> Re
     if !run.tone.is_empty() {
         write(&of.output.join(format!("{name}-tone.csv")), run.tone_csv())?;
     }
-    let (ratio, thrust_ratio, [idle_s, idle_p]) = (result.ratio(), result.thrust_ratio(), result.arcs);
-    let [least, most] = result.push_force;
+    let ([.., [idle_s, idle_p]], [least, most]) = (result.means, result.push_force);
+    let (ratio, thrust_ratio) = (result.ratio(), result.thrust_ratio());
     let shares = [result.slip(), result.efficiency(), result.residual()];
     let [slip, efficiency, residual] = shares.map(|share| 100.0 * share);
     let figures = format!(
@@ -226,7 +219,6 @@ fn progress(run: &Run, steps_per_second: f64) {
     let last = if stays { "\n" } else { "\r" };
     eprint!("{} {percent:3.0} %, {time:.4} s, ", run.case.name);
     eprint!("{speed:.2e} element steps a second, {left:.0} s left   {last}");
-    let _ = std::io::stderr().flush();
 }
 
 /// The run that a file holds; none if there is no file, or it is of other settings.
@@ -248,13 +240,13 @@ fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
         .map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// Adds a line, or replaces that of the same name, in a file with a header.
-fn add_line(path: &Path, header: &str, name: &str, line: &str) -> Result<(), String> {
+/// Adds a line, or replaces that of the same name, in a file of cases with these columns.
+fn add_line(path: &Path, columns: &str, name: &str, line: &str) -> Result<(), String> {
     let before = fs::read_to_string(path).unwrap_or_default();
     let line = format!("{name},{line}");
     let start = &line[..=name.len()];
     let others = before.lines().skip(1).filter(|other| !other.starts_with(start));
     let mut lines: Vec<_> = others.chain([&*line]).collect();
     lines.sort_unstable();
-    write(path, format!("{header}\n{}\n", lines.join("\n")))
+    write(path, format!("case,{columns}\n{}\n", lines.join("\n")))
 }

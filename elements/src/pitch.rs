@@ -19,11 +19,8 @@
 //! precede those of V and U in a step; cos (θ_{i+1} − θ_i) is 1. Left out: friction between
 //! faces, a centre of mass away from the rocking edge.
 
-use crate::belt::{Belt, Vector, close, dot};
-use crate::flanks::Flank;
-use crate::law::Law;
-use crate::ring::Ring;
-use crate::stack::Stack;
+use crate::belt::{add, close, dot};
+use crate::{Belt, Law, Vector, cyclic::Rows, flanks::Flank, ring::Ring, stack::Stack};
 
 /// Stiffness of a peg in its hole, N/m, and its damping time, s.
 const PEG: f64 = 5.0e6;
@@ -54,24 +51,14 @@ impl Pitch {
     }
 
     /// The equations of Π: falls on the `diagonal` and `off` it, couples on the right.
-    pub fn rows(
-        &self,
-        law: &Law,
-        dt: f64,
-        belt: &Belt,
-        of: (&[Stack; 2], &Ring, &[Flank]),
-        rows: [&mut [f64]; 3],
-    ) {
+    pub fn rows(&self, law: &Law, dt: f64, belt: &Belt, of: (&[Stack; 2], &Ring, &[Flank]), rows: Rows<'_>) {
         let (n, height, inertia) = (law.count, law.options.head, law.parameters.belt.element_inertia);
         let ([edges, heads], ring, flank) = of;
         let [diagonal, off, right] = rows.map(|row| &mut row[..n]);
         for k in 0..n {
             let (i, across, along) = (k + 1, belt.offset[k], belt.distance[k]);
-            let stiff = if self.peg[k] == 0.0 {
-                0.0
-            } else {
-                PEG * (dt + PEG_DAMPING)
-            };
+            let touching = f64::from(u8::from(self.peg[k] != 0.0));
+            let stiff = touching * PEG * (dt + PEG_DAMPING);
             diagonal[k] = inertia / dt
                 + flank[i].spin[2]
                 + stiff * along * along
@@ -90,10 +77,7 @@ impl Pitch {
     pub fn correct(&mut self, law: &Law, belt: &mut Belt, stacks: &mut [Stack; 2], change: &[f64]) {
         self.spun[1..=law.count].copy_from_slice(change);
         close(&mut self.spun);
-        belt.spin
-            .iter_mut()
-            .zip(&self.spun)
-            .for_each(|(spin, change)| *spin += change);
+        add(&mut belt.spin, self.spun.iter().copied());
         for (stack, height) in stacks.iter_mut().zip([0.0, law.options.head]) {
             for (c, pair) in self.spun.windows(2).enumerate() {
                 let opened = height * (pair[1] - pair[0]) - belt.offset[c] * pair[1];
@@ -121,23 +105,16 @@ impl Pitch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::Options;
-    use pushbelt::variator::settings::Parameters;
+    use crate::{Options, law};
 
     /// Couples are the falls of the energy with the pitch, at gaps that are open and closed, pegs
     /// that touch or not.
     #[test]
     fn couples_are_falls_of_energy() {
         let (n, step) = (9, 1.0e-9);
-        let options = Options {
-            pitch: true,
-            clearance: 2.0e-5,
-            ..Options::default()
-        };
-        let law = Law {
-            count: n,
-            ..Law::new(&Parameters::default(), &options).unwrap()
-        };
+        let mut options = Options::default();
+        (options.pitch, options.clearance) = (true, 2.0e-5);
+        let law = law(n, &options);
         let chance = |k: usize| ((k * 37 + 11) % 19) as f64 / 9.0 - 1.0;
         let mut belt = Belt::new(n);
         // An arc of 40 mm, with gaps of ± 0.3 µm, closed far from contact.
@@ -160,13 +137,8 @@ mod tests {
         let mut rows = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
         let [diagonal, off, right] = rows.each_mut();
         let flanks = vec![Flank::default(); n + 2];
-        pitch.rows(
-            &law,
-            1.0,
-            &belt,
-            (&stacks, &Ring::new(n), &flanks),
-            [diagonal, off, right],
-        );
+        let of = (&stacks, &Ring::new(n), &flanks[..]);
+        pitch.rows(&law, 1.0, &belt, of, [diagonal, off, right]);
         let pegs = pitch.peg[..n].iter().filter(|force| **force != 0.0).count();
         let heads = stacks[1].push[..n].iter().filter(|force| **force > 1.0).count();
         assert!((1..n).contains(&pegs) && heads > 0, "{pegs} {heads}");
@@ -180,10 +152,8 @@ mod tests {
             };
             let expected = (at(-step) - at(step)) / (2.0 * step);
             let found = right[i - 1];
-            assert!(
-                (found - expected).abs() < 1e-3 * (1.0 + expected.abs()),
-                "{i}: {found} {expected}"
-            );
+            let within = 1e-3 * (1.0 + expected.abs());
+            assert!((found - expected).abs() < within, "{i}: {found} {expected}");
         }
     }
 }

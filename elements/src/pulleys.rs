@@ -5,7 +5,7 @@
 //! is stiffer than the sheave. Both sheaves of a pulley tilt alike. Cylinders, seals and the
 //! springs of end stops are not in this model: a cone that reaches an end stop ends the run.
 
-use crate::belt::Vector;
+use crate::belt::{Vector, add};
 use pushbelt::variator::settings::PulleyParameters;
 
 /// What the belt does to a pulley, and what it loses there.
@@ -119,20 +119,17 @@ impl Pulley {
             (d * right[0] - xy * right[1]) / determinant,
             (a * right[1] - xy * right[0]) / determinant,
         ];
-        for axis in 0..2 {
-            self.tilt[axis] += dt * self.tilt_rate[axis];
-        }
+        add(&mut self.tilt, self.tilt_rate.map(|rate| dt * rate));
         2.0 * dt * of.tilt.loss(self.tilt, self.tilt_rate)
     }
 
     /// Stored energy, J, without that of a shaft whose speed is given.
     pub fn energy(&self, of: &PulleyParameters, shaft: Shaft) -> f64 {
         let inertia = if shaft == Shaft::Speed { 0.0 } else { of.inertia };
-        let tilt = if of.tilt.is_rigid() {
-            0.0
-        } else {
-            of.tilt.energy(self.tilt)
-        };
-        0.5 * inertia * self.omega * self.omega + 2.0 * tilt + 0.5 * of.sheave_mass * self.z_dot * self.z_dot
+        let tilt = &of.tilt;
+        let tilted = if tilt.is_rigid() { 0.0 } else { tilt.energy(self.tilt) };
+        0.5 * inertia * self.omega * self.omega
+            + 2.0 * tilted
+            + 0.5 * of.sheave_mass * self.z_dot * self.z_dot
     }
 }

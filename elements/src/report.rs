@@ -1,7 +1,6 @@
 //! `--report`: a page that plays a case.
 
-use pushbelt_elements::machine::{Fault, Ledger};
-use pushbelt_elements::run::Run;
+use pushbelt_elements::{Fault, Ledger, Run};
 
 const PAGE: &str = include_str!("../page/case.html");
 const STYLE: &str = include_str!("../../python/pushbelt/report/style.css");
@@ -43,15 +42,12 @@ pub fn page(mut run: Run, figures: &str) -> Result<String, Fault> {
     let fields = fields.map(|(field, (name, unit))| format!("{name}: {{unit: {unit:e}, of: {field:?}}}, "));
     let (thickness, distance) = (law.thickness, law.axes[1]);
     let (pitch, step) = (law.parameters.belt.pitch_offset, steps as f64 * machine.dt);
-    let [_, radii, speeds, _] = result.means;
+    let [_, radii, speeds, ..] = result.means;
     let data = fields.collect::<String>()
         + &format!("count: {n}, thickness: {thickness}, pitch: {pitch}, distance: {distance}, ")
         + &format!("step: {step}, radii: {radii:?}, speeds: {speeds:?}");
-    let parts = [
-        ("style", STYLE),
-        ("case", &run.case.name),
-        ("losses", &losses.collect::<String>()),
-    ];
+    let losses = losses.collect::<String>();
+    let parts = [("style", STYLE), ("case", &run.case.name), ("losses", &losses)];
     let parts = parts.into_iter().chain([("figures", figures), ("data", &data)]);
     Ok(parts.fold(PAGE.to_owned(), |page, (name, text)| {
         page.replace(&format!("{{{{{name}}}}}"), text)

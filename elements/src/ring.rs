@@ -22,7 +22,7 @@
 //! Left out: Ṡ ∂w/∂S beside ẇ.
 
 use crate::belt::{Belt, Vector, chords, close, cross, dot};
-use crate::law::Law;
+use crate::{cyclic::Rows, law::Law};
 
 rows! {
     /// Forces of the ring, of its chords and its nodes.
@@ -110,7 +110,7 @@ impl Ring {
 
     /// The equations of w: m/Δt + slopes and friction on the `diagonal`, F·t − m U Ω_r − q on the
     /// right.
-    pub fn rows(&self, law: &Law, dt: f64, belt: &Belt, rows: [&mut [f64]; 3]) {
+    pub fn rows(&self, law: &Law, dt: f64, belt: &Belt, rows: Rows<'_>) {
         let (n, per_step) = (law.count, 1.0 / dt);
         let [diagonal, off, right] = rows.map(|row| &mut row[..n]);
         cut!(n + 1; belt => v, w, spin);
@@ -155,15 +155,12 @@ impl Ring {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::law::Options;
-    use crate::near;
-    use pushbelt::variator::settings::Parameters;
+    use crate::{Options, law, near};
 
     /// The slopes of a step are those of tension with Δt + η and of moments with Δt + η_κ.
     #[test]
     fn slopes_are_differences() {
-        let law = Law::new(&Parameters::default(), &Options::default()).unwrap();
-        let law = Law { count: 20, ..law };
+        let law = law(20, &Options::default());
         let (dt, moved) = (2.0e-6, 1.0e-3);
         // Forces on the nodes of a straight row with a speed of node 10 along or across it.
         let forces = |u: f64, w: f64| {

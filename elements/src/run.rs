@@ -1,9 +1,9 @@
 //! A run of a case: means over milliseconds, fields along the belt, and a state from which it goes
 //! on.
 
+use crate::belt::add;
 use crate::case::{Case, Path, SHIFT, short};
-use crate::machine::{Fault, Ledger, Machine};
-use crate::tone;
+use crate::{Fault, Ledger, Machine, tone};
 use pushbelt::variator::settings::ParameterError;
 use pushbelt_archive::Archive;
 
@@ -40,8 +40,10 @@ pub struct Row {
     pub time: f64,
     /// Its duration, s.
     pub duration: f64,
-    /// Axial forces, N, radii, m, speeds, rad/s, and torques of the belt, N·m.
-    pub means: [[f64; 2]; 4],
+    /// Axial forces, N, radii, m, speeds, rad/s, torques of the belt, N·m, and idle arcs, rad: from
+    /// the entry on, up to where the push force of the interval has changed by 10 % of its
+    /// difference between the strands from that of the strand before.
+    pub means: [[f64; 2]; 5],
     /// Energies added to the ledger, J.
     pub ledger: Ledger,
     /// Change of the stored energy, J.
@@ -50,9 +52,6 @@ pub struct Row {
     pub push_force: [f64; 2],
     /// Number of open gaps.
     pub open: f64,
-    /// Idle arcs, rad: from the entry on, up to where the push force of the interval has changed by
-    /// 10 % of its difference between the strands from that of the strand before.
-    pub arcs: [f64; 2],
     /// Least and largest slip of the intervals.
     pub slips: [f64; 2],
 }
@@ -95,9 +94,12 @@ impl Row {
 
     /// The row of an interval that begins.
     fn empty() -> Self {
-        let mut row = Self::default();
-        (row.push_force, row.slips) = (NONE, NONE);
-        row
+        let (push_force, slips) = (NONE, NONE);
+        Self {
+            push_force,
+            slips,
+            ..Self::default()
+        }
     }
 
     /// The mean of rows.
@@ -108,11 +110,9 @@ impl Row {
             mean.duration += row.duration;
             mean.stored += row.stored;
             mean.open += row.open / count;
-            let values = row.means.iter().flatten().chain(&row.arcs);
-            let means = mean.means.iter_mut().flatten().chain(&mut mean.arcs).zip(values);
-            means.for_each(|(mean, value)| *mean += value / count);
-            let ledger = mean.ledger.0.iter_mut().zip(row.ledger.0);
-            ledger.for_each(|(sum, energy)| *sum += energy);
+            let means = row.means.as_flattened().iter().map(|value| value / count);
+            add(mean.means.as_flattened_mut(), means);
+            add(&mut mean.ledger.0, row.ledger.0);
             widen(&mut mean.push_force, row.push_force);
             widen(&mut mean.slips, row.slips);
         }
@@ -121,25 +121,14 @@ impl Row {
 
     /// The columns of a file of rows.
     pub fn line(&self) -> String {
-        let ratios = [
-            self.time,
-            self.ratio(),
-            self.thrust_ratio(),
-            self.slip(),
-            self.efficiency(),
-        ];
-        let [least, most] = self.push_force;
-        let more = [least, most, self.open, self.residual()];
-        let powers = self.ledger.0.map(|energy| energy / self.duration);
-        let last = [self.arcs, self.slips];
-        csv(&[
-            &ratios[..],
-            self.means.as_flattened(),
-            &more,
-            &powers,
-            last.as_flattened(),
-        ]
-        .concat())
+        let [means @ .., arcs] = &self.means;
+        let mut values = vec![self.time, self.ratio(), self.thrust_ratio()];
+        values.extend([self.slip(), self.efficiency()]);
+        values.extend(means.as_flattened().iter().chain(&self.push_force));
+        values.extend([self.open, self.residual()]);
+        values.extend(self.ledger.0.map(|energy| energy / self.duration));
+        values.extend(arcs.iter().chain(&self.slips));
+        csv(&values)
     }
 }
 
@@ -169,7 +158,7 @@ pub struct Run {
     now: Row,
     /// Ledger and stored energy at the last row.
     before: Ledger,
-    energy: f64,
+    energy: Option<f64>,
     /// Count, sums and sums of squares of the fields at each place.
     fields: [[f64; 1 + 2 * FIELDS]; PLACES],
     /// Count and sum of the push forces at each place since the last row.
@@ -193,7 +182,7 @@ impl Run {
             steps: 0,
             now: Row::empty(),
             before: Ledger::default(),
-            energy: f64::NAN,
+            energy: None,
             fields: [[0.0; 1 + 2 * FIELDS]; PLACES],
             recent: [[0.0; 2]; PLACES],
             revolutions: 0.0,
@@ -226,8 +215,8 @@ impl Run {
                 machine.pulleys.map(|pulley| pulley.omega),
                 loads.map(|load| load.torque),
             ];
-            let sums = self.now.means.iter_mut().flatten().zip(values.iter().flatten());
-            sums.for_each(|(sum, value)| *sum += value * machine.dt);
+            let parts = values.as_flattened().iter().map(|value| value * machine.dt);
+            add(self.now.means.as_flattened_mut(), parts);
             self.now.duration += machine.dt;
             if self.steps.is_multiple_of(SAMPLE) {
                 self.sample()?;
@@ -267,22 +256,17 @@ impl Run {
         row.ledger = Ledger(std::array::from_fn(|k| machine.ledger.0[k] - self.before.0[k]));
         // The first interval has no energy before it.
         let surplus = row.ledger.work() - row.ledger.losses();
-        row.stored = if self.rows.is_empty() {
-            surplus
-        } else {
-            energy - self.energy
-        };
-        (row.time, self.before, self.energy) = (machine.time, machine.ledger, energy);
+        row.stored = self.energy.map_or(surplus, |before| energy - before);
+        (row.time, self.before, self.energy) = (machine.time, machine.ledger, Some(energy));
         row.means = row.means.map(|pair| pair.map(|sum| sum / row.duration));
         row.slips = [row.slip(); 2];
         let wide = machine.law.thickness + machine.law.oil.floor.min(1.0e-6);
         let gaps = &machine.belt.length[1..=machine.law.count];
         row.open = gaps.iter().filter(|length| **length > wide).count() as f64;
-        self.rows.push(row);
         if self.recent.iter().all(|sum| sum[0] > 0.0) {
-            let last = self.rows.len() - 1;
-            self.rows[last].arcs = self.idle_arcs();
+            row.means[4] = idle_arcs(&Path::new(machine.law.axes[1], row.means[1]), &self.recent);
         }
+        self.rows.push(row);
         self.recent = [[0.0; 2]; PLACES];
     }
 
@@ -389,43 +373,9 @@ impl Run {
                 let mean = pair[0] / sum[0];
                 values.extend([mean, (pair[1] / sum[0] - mean * mean).max(0.0).sqrt()]);
             }
-            csv(&values) + "\n"
+            csv(&values)
         });
-        format!("{FIELD_COLUMNS}\n{}", lines.collect::<String>())
-    }
-
-    /// Those of the [`Row`].
-    fn idle_arcs(&self) -> [f64; 2] {
-        let path = self.path();
-        let per_place = path.length() / PLACES as f64;
-        let [s, p] = [0, 1].map(|j| path.wraps()[j] * path.radii[j]);
-        let strand = path.length() - s - p;
-        let push = |k: usize| self.recent[k % PLACES][1] / self.recent[k % PLACES][0];
-        let mean = |from: f64, to: f64| {
-            let places = (from / per_place).ceil() as usize..=(to / per_place) as usize;
-            let count = places.clone().count() as f64;
-            places.map(push).sum::<f64>() / count
-        };
-        let upper = mean(0.5 * s, 0.5 * (s + strand));
-        let lower = mean(0.5 * (s + strand) + p, 0.5 * s + strand + p);
-        let limit = IDLE_CHANGE * (upper - lower).abs();
-        let idle = |radius: f64, arc: f64, from: f64, entry: f64| {
-            let first = (from / per_place).ceil();
-            let change = |k: usize| (push(first as usize + k) - entry).abs();
-            let mut places = 0..(arc / per_place) as usize;
-            let Some(k) = places.find(|k| change(*k) > limit) else {
-                return arc / radius;
-            };
-            let before = if k > 0 { change(k - 1) } else { 0.0 };
-            let fraction = ((limit - before) / (change(k) - before)).clamp(0.0, 1.0);
-            let place = (first + k as f64 - 1.0 + fraction) * per_place;
-            ((place - from) / radius).max(0.0)
-        };
-        let [entry_s, entry_p] = [0.5 * s + strand + p, 0.5 * (s + strand)];
-        [
-            idle(path.radii[0], s, entry_s, lower),
-            idle(path.radii[1], p, entry_p, upper),
-        ]
+        file(FIELD_COLUMNS, lines)
     }
 
     /// Names of the columns of [`line`](Self::line).
@@ -433,7 +383,7 @@ impl Run {
         if self.case.options.tone {
             return tone::COLUMNS.to_owned();
         }
-        format!("{COLUMNS},{},{LAST}", Ledger::NAMES)
+        columns()
     }
 
     /// The result, or its tone.
@@ -443,7 +393,7 @@ impl Run {
             return result.line();
         }
         let state = [result.ratio(), result.thrust_ratio(), result.slip()];
-        let [forces, _, speeds, torques] = result.means;
+        let [forces, _, speeds, torques, _] = result.means;
         let means = [forces, speeds, torques];
         let amplitudes = tone::amplitudes(&self.tone, self.machine.law.count);
         csv(&[&state[..], means.as_flattened(), &amplitudes].concat())
@@ -451,50 +401,86 @@ impl Run {
 
     /// Signals of the result, CSV.
     pub fn tone_csv(&self) -> String {
-        let lines = self.tone.iter().map(|sample| csv(sample) + "\n");
-        format!("{}\n{}", tone::SIGNALS, lines.collect::<String>())
+        file(tone::SIGNALS, self.tone.iter().map(|sample| csv(sample)))
     }
 
     /// Rows so far, CSV.
     pub fn rows_csv(&self) -> String {
-        let lines = self.rows.iter().map(|row| row.line() + "\n");
-        format!("{COLUMNS},{},{LAST}\n{}", Ledger::NAMES, lines.collect::<String>())
+        file(&columns(), self.rows.iter().map(Row::line))
     }
 
     /// Writes the run to an archive, or reads it.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         self.machine.serialize(archive);
         archive.counter(&mut self.steps);
-        archive.any_real(&mut self.energy);
+        archive.option(&mut self.energy);
         archive.reals(&mut self.before.0);
         archive.reals(self.fields.as_flattened_mut());
         archive.reals(self.recent.as_flattened_mut());
         archive.real(&mut self.revolutions);
-        let mut rows = self.rows.len() as u64;
-        archive.counter(&mut rows);
-        if archive.is_reading() {
-            // Not more than the duration has.
-            let most = (self.case.duration() / INTERVAL) as usize + 1;
-            self.rows = vec![Row::default(); most.min(rows as usize)];
-        }
-        let mut samples = self.tone.len() as u64;
-        archive.counter(&mut samples);
-        if archive.is_reading() {
-            // Not more than the steps give.
-            self.tone = vec![Default::default(); self.steps.min(samples) as usize];
-        }
+        let mut length = |now: usize, most: usize| {
+            let mut count = now as u64;
+            archive.counter(&mut count);
+            most.min(count as usize)
+        };
+        // Not more than the duration has, and than the steps give.
+        let rows = length(self.rows.len(), (self.case.duration() / INTERVAL) as usize + 1);
+        self.rows.resize(rows, Row::default());
+        self.tone
+            .resize(length(self.tone.len(), self.steps as usize), Default::default());
         archive.reals(self.tone.as_flattened_mut());
         for row in self.rows.iter_mut().chain([&mut self.now]) {
-            for value in [&mut row.time, &mut row.duration, &mut row.stored, &mut row.open] {
-                archive.real(value);
-            }
+            let numbers = [&mut row.time, &mut row.duration, &mut row.stored, &mut row.open];
+            numbers.into_iter().for_each(|value| archive.real(value));
             archive.reals(row.means.as_flattened_mut());
-            archive.reals(&mut row.arcs);
-            // Of an interval that has just begun they are infinite.
-            for value in row.push_force.iter_mut().chain(&mut row.slips) {
-                archive.any_real(value);
-            }
             archive.reals(&mut row.ledger.0);
+            // Of an interval that has just begun they are infinite.
+            let limits = row.push_force.iter_mut().chain(&mut row.slips);
+            limits.for_each(|value| archive.any_real(value));
         }
     }
+}
+
+/// Names of the columns of [`Row::line`].
+fn columns() -> String {
+    format!("{COLUMNS},{},{LAST}", Ledger::NAMES)
+}
+
+/// A file of lines under their names.
+fn file(names: &str, lines: impl Iterator<Item = String>) -> String {
+    [names.to_owned()]
+        .into_iter()
+        .chain(lines)
+        .map(|line| line + "\n")
+        .collect()
+}
+
+/// Those of the [`Row`], from count and sum of push forces at places along the path.
+fn idle_arcs(path: &Path, pushes: &[[f64; 2]; PLACES]) -> [f64; 2] {
+    let per_place = path.length() / PLACES as f64;
+    let [s, p] = [0, 1].map(|j| path.wraps()[j] * path.radii[j]);
+    let strand = path.length() - s - p;
+    let push = |k: usize| pushes[k % PLACES][1] / pushes[k % PLACES][0];
+    let mean = |from: f64, to: f64| {
+        let places = (from / per_place).ceil() as usize..=(to / per_place) as usize;
+        let count = places.clone().count() as f64;
+        places.map(push).sum::<f64>() / count
+    };
+    let [entry_s, entry_p] = [0.5 * s + strand + p, 0.5 * (s + strand)];
+    let (upper, lower) = (mean(0.5 * s, entry_p), mean(entry_p + p, entry_s));
+    let limit = IDLE_CHANGE * (upper - lower).abs();
+    let idle = |radius: f64, arc: f64, from: f64, entry: f64| {
+        let first = (from / per_place).ceil();
+        let change = |k: usize| (push(first as usize + k) - entry).abs();
+        let mut places = 0..(arc / per_place) as usize;
+        let Some(k) = places.find(|k| change(*k) > limit) else {
+            return arc / radius;
+        };
+        let before = if k > 0 { change(k - 1) } else { 0.0 };
+        let fraction = ((limit - before) / (change(k) - before)).clamp(0.0, 1.0);
+        let place = (first + k as f64 - 1.0 + fraction) * per_place;
+        ((place - from) / radius).max(0.0)
+    };
+    let [radius_s, radius_p] = path.radii;
+    [idle(radius_s, s, entry_s, lower), idle(radius_p, p, entry_p, upper)]
 }

@@ -18,11 +18,44 @@
 //! c' = S/ġ at the speed of the step before.
 
 use crate::belt::{Belt, Vector, cross, dot};
-use crate::law::Law;
+use crate::{cyclic::Rows, law::Law};
 use pushbelt::scalar::{LANES, Lanes, Real, soft_plus_energy};
 
 /// Oil between heads over that between faces, by the cube of their heights.
 const HEAD_OIL: f64 = 0.25;
+
+/// Oil between two elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oil {
+    /// C, N·s·m².
+    pub constant: f64,
+    /// h_0, m.
+    pub floor: f64,
+    /// F_c, N.
+    pub suction: f64,
+}
+
+impl Oil {
+    /// Oil with the force `squeeze`, N·s, per rate of strain of elements of `thickness` at zero
+    /// gap. 75 N·s at 6 µm are a tenth of oil of 10 mPa·s between faces of 8 by 24 mm.
+    pub fn of_squeeze(squeeze: f64, floor: f64, thickness: f64, suction: f64) -> Self {
+        Self {
+            constant: squeeze / thickness * floor.powi(3),
+            floor,
+            suction,
+        }
+    }
+
+    /// c' at the gap and its rate.
+    #[inline(always)]
+    pub(crate) fn coefficient<T: Real>(&self, gap: T, rate: T) -> T {
+        let wide = gap + self.floor;
+        let c = (wide * wide * wide).recip() * self.constant;
+        let fraction = c * rate * (1.0 / self.suction);
+        let (_, limited) = (fraction * fraction + 1.0).root_and_inverse();
+        c * rate.if_positive(limited, T::one())
+    }
+}
 
 rows! {
     /// Forces of the gaps at the rocking edges, or at the heads; chord i is gap i.
@@ -93,7 +126,7 @@ impl Stack {
 
     /// Adds the gaps' part to the equations of V: their slopes to `diagonal`, `off`, the push
     /// forces along t to `right`.
-    pub fn rows(&self, law: &Law, belt: &Belt, [diagonal, off, right]: [&mut [f64]; 3]) {
+    pub fn rows(&self, law: &Law, belt: &Belt, [diagonal, off, right]: Rows<'_>) {
         let n = law.count;
         cut!(n + 1; self => push, slope);
         cut!(n + 1; belt => normal, t);
@@ -121,11 +154,7 @@ impl Stack {
 mod tests {
     use super::*;
     use crate::belt::{chords, close};
-    use crate::cyclic::Tridiagonal;
-    use crate::law::Options;
-    use crate::near;
-    use crate::oil::Oil;
-    use pushbelt::variator::settings::Parameters;
+    use crate::{Options, cyclic::Tridiagonal, near};
 
     /// Elements in a straight row along x, with forces on them. The gap from the last to the first
     /// is far from contact.
@@ -175,18 +204,18 @@ mod tests {
     }
 
     fn law(count: usize, oil: Oil) -> Law {
-        let law = Law::new(&Parameters::default(), &Options::default()).unwrap();
-        Law { count, oil, ..law }
+        let law = crate::law(count, &Options::default());
+        Law { oil, ..law }
     }
 
-    fn dry() -> Oil {
-        Oil::of_squeeze(0.0, 6.0e-6, 1.5e-3, 19.0)
+    fn oil(squeeze: f64) -> Oil {
+        Oil::of_squeeze(squeeze, 6.0e-6, 1.5e-3, 19.0)
     }
 
     /// √(k_e/m_e) = 2742 m/s.
     #[test]
     fn a_pulse_in_a_straight_stack_travels_at_the_speed_of_its_waves() {
-        let mut row = Straight::new(law(400, dry()), 1.0e-8, -5.0e-6);
+        let mut row = Straight::new(law(400, oil(0.0)), 1.0e-8, -5.0e-6);
         row.law.parameters.belt.damping = 0.0;
         let middle = 200.5;
         for (i, v) in row.belt.v.iter_mut().enumerate() {
@@ -207,7 +236,7 @@ mod tests {
     /// A constant force F closes a gap: 1/(h_0 + g)² = 1/(h_0 + g_0)² + 2 F t/C.
     #[test]
     fn a_gap_closes_over_oil_as_reynolds_says() {
-        let oil = Oil::of_squeeze(75.0, 6.0e-6, 1.5e-3, 19.0);
+        let oil = oil(75.0);
         let (start, force) = (50.0e-6, 1.0);
         let mut row = Straight::new(law(7, oil), 1.0e-7, start);
         row.law.parameters.belt.roughness = 1.0e-9;
@@ -233,22 +262,21 @@ mod tests {
     fn the_constant_of_a_rectangle_is_that_of_the_series() {
         let (a, b) = (8.0e-3_f64, 24.0e-3_f64);
         let pi = std::f64::consts::PI;
-        let series: f64 = (0..60)
-            .map(|k| {
-                let n = f64::from(2 * k + 1);
-                let half = n * pi * b / (2.0 * a);
-                (1.0 - half.tanh() / half) * 96.0 / (n * pi).powi(4)
-            })
-            .sum();
+        let terms = (0..60).map(|k| {
+            let n = f64::from(2 * k + 1);
+            let half = n * pi * b / (2.0 * a);
+            (1.0 - half.tanh() / half) * 96.0 / (n * pi).powi(4)
+        });
+        let series = terms.sum::<f64>();
         near(1.0 - 0.63 * a / b, series, 0.01);
         let full = 0.01 * a.powi(3) * b * series;
-        near(Oil::of_squeeze(75.0, 6.0e-6, 1.5e-3, 19.0).constant, 0.1 * full, 0.15);
+        near(oil(75.0).constant, 0.1 * full, 0.15);
     }
 
     /// The suction never exceeds that at which oil cavitates.
     #[test]
     fn oil_cavitates() {
-        let oil = Oil::of_squeeze(75.0, 6.0e-6, 1.5e-3, 19.0);
+        let oil = oil(75.0);
         for rate in [1e-4, 1e-2, 1.0, 100.0] {
             assert!(oil.coefficient(0.0, rate) * rate <= oil.suction);
             assert!(oil.coefficient(0.0, -rate) * rate >= oil.coefficient(0.0, rate) * rate);
@@ -260,7 +288,7 @@ mod tests {
     fn the_slope_of_a_step_is_that_of_the_law() {
         let dt = 2.0e-6;
         let push = |gap: f64, rate: f64, dt: f64| {
-            let mut row = Straight::new(law(7, dry()), dt, gap);
+            let mut row = Straight::new(law(7, oil(0.0)), dt, gap);
             row.belt.v[2].re = rate;
             row.evaluate();
             (row.stack.push[1], row.stack.slope[1])

@@ -5,8 +5,7 @@
 //! a revolution. The amplitude of x at the order k is |Σ h (x − x̄) e^{−2πikφ}| 2/Σ h with Hann's
 //! window h over the part of the run that is its result.
 
-use crate::belt::Vector;
-use crate::machine::Machine;
+use crate::{Machine, Vector, belt::add};
 use std::f64::consts::TAU;
 
 /// Signals: phase; axial forces and torques of the belt on S and P; of element 1 its place along
@@ -37,10 +36,7 @@ pub fn amplitudes(samples: &[Sample], count: usize) -> [f64; 8] {
     let window = |k: usize| 1.0 - (TAU * (k as f64 + 0.5) / samples.len() as f64).cos();
     for (k, sample) in samples.iter().enumerate() {
         weight += window(k);
-        means
-            .iter_mut()
-            .zip(&sample[1..])
-            .for_each(|(mean, value)| *mean += window(k) * value);
+        add(&mut means, sample[1..].iter().map(|value| window(k) * value));
     }
     for (k, sample) in samples.iter().enumerate() {
         for (c, sum) in sums.iter_mut().enumerate() {
@@ -62,17 +58,10 @@ mod tests {
         let sample = |k: u32| {
             let phase = f64::from(k) * 2.3e-4;
             let of = |order: f64, amplitude: f64| amplitude * (TAU * order * phase + 0.4).cos();
-            [
-                phase,
-                9e3 + 50.0 * phase + of(464.0, 7.0),
-                of(928.0, 3.0),
-                of(460.0, 5.0),
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-            ]
+            let mut sample = [0.0; 9];
+            (sample[0], sample[1]) = (phase, 9e3 + 50.0 * phase + of(464.0, 7.0));
+            (sample[2], sample[3]) = (of(928.0, 3.0), of(460.0, 5.0));
+            sample
         };
         let samples: Vec<_> = (0..8_000).map(sample).collect();
         let found = amplitudes(&samples, 464);

@@ -3,12 +3,7 @@
 
 use pushbelt::variator::settings::{Parameters, RIGID_TILT_STIFFNESS};
 use pushbelt_archive::Archive;
-use pushbelt_elements::belt::Vector;
-use pushbelt_elements::case::Case;
-use pushbelt_elements::law::{Law, Options};
-use pushbelt_elements::machine::Machine;
-use pushbelt_elements::pulleys::{Cone, Shaft};
-use pushbelt_elements::run::{Row, Run};
+use pushbelt_elements::{Case, Cone, Law, Machine, Options, Row, Run, Shaft, Vector};
 
 fn short(name: &str, duration: f64) -> Case {
     let mut case = Case::named(name).unwrap();
@@ -79,20 +74,19 @@ fn a_pulley_that_slips_is_a_rope_in_a_wedge() {
             continue;
         }
         let (law, belt) = (&machine.law, &machine.belt);
-        // Mean of ln F over two windows of the arc, each 0.3 rad wide, 1.5 rad apart.
-        let mut sums = [[0.0; 2]; 2];
-        for i in 1..=law.count {
-            // From the outward direction, clockwise.
-            let angle = (belt.p[i] - law.axes[1]).conj().arg();
-            if (angle.abs() - 0.75).abs() > 0.15 {
-                continue;
-            }
-            let (v, w, window) = (belt.v[i].re, belt.w[i], usize::from(angle > 0.0));
+        // From the outward direction, clockwise.
+        let angle = |i: &usize| (belt.p[*i] - law.axes[1]).conj().arg();
+        let force = |i: usize| {
+            let (v, w) = (belt.v[i].re, belt.w[i]);
             let speed = v * v * law.mass / belt.length[i] + w * w * law.parameters.ring.mass_per_length;
-            sums[window][0] += (machine.ring.tension[i] - machine.stacks[0].push[i] - speed).ln();
-            sums[window][1] += 1.0;
-        }
-        logarithm += sums[1][0] / sums[1][1] - sums[0][0] / sums[0][1];
+            machine.ring.tension[i] - machine.stacks[0].push[i] - speed
+        };
+        // Mean of ln F over two windows of the arc, each 0.3 rad wide, 1.5 rad apart.
+        let [before, behind] = [-0.75, 0.75].map(|middle| {
+            let window = (1..=law.count).filter(|i| (angle(i) - middle).abs() <= 0.15);
+            window.clone().map(|i| force(i).ln()).sum::<f64>() / window.count() as f64
+        });
+        logarithm += behind - before;
         count += 1.0;
     }
     machine.check().unwrap();
