@@ -146,6 +146,7 @@ fn one(of: &Arguments, name: &str, settings: &Settings, set: Option<&str>) -> Re
         }
         return Ok(());
     }
+    case.check()?;
     let mut held = case.clone();
     held.options.shift = None;
     let run = complete(of, Run::new(held)?)?;

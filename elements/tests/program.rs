@@ -63,6 +63,7 @@ fn bad_input_is_one_line_and_no_run() {
         ("medium-0.4", "--force=NaN", "force"),
         ("medium-0.4", "--step=1", "step"),
         ("medium-0.4", "--film=0", "film"),
+        ("medium-0.4", "--shift=-2", "shift"),
         ("medium-0.4", "--crown=-1", "crown"),
         ("medium-0.4", "--spread=0.5", "spread"),
     ] {
