@@ -1,6 +1,6 @@
 //! Constants of the laws, from the parameters of the FMU.
 
-use crate::stack::Oil;
+use crate::oil::Oil;
 use pushbelt::contact::Contact;
 use pushbelt::pulley::Wedge;
 use pushbelt::variator::settings::{ParameterError, Parameters, PulleyParameters};

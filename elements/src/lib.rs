@@ -63,6 +63,7 @@ pub mod cyclic;
 pub mod flanks;
 pub mod law;
 pub mod machine;
+pub mod oil;
 pub mod pitch;
 pub mod pulleys;
 pub mod ring;
