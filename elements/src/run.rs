@@ -243,10 +243,17 @@ impl Run {
         if self.is_result() && self.steps.is_multiple_of(TONE) {
             let (machine, [s, p]) = (&self.machine, &self.machine.loads);
             let (flank, place) = (machine.flanks.of[1], self.path().place(machine.belt.p[1]));
-            let element = [place, machine.belt.pitch[1], flank.normal, flank.sliding];
-            let of = [self.revolutions, s.axial, p.axial, s.torque, p.torque];
-            self.tone
-                .push(std::array::from_fn(|k| if k < 5 { of[k] } else { element[k - 5] }));
+            self.tone.push([
+                self.revolutions,
+                s.axial,
+                p.axial,
+                s.torque,
+                p.torque,
+                place,
+                machine.belt.pitch[1],
+                flank.normal,
+                flank.sliding,
+            ]);
         }
     }
 

@@ -34,9 +34,9 @@ MODEL = "resources/reference/smoke-test-ref.csv"
 """Outputs of the model, renewed when its physics change."""
 STORED = {
     "report.png": ("demo", MODEL), "live.png": ("live", MODEL), "drive.png": ("drive", MODEL), "validation-steps.png": ("validate", "validation/results.json"),
-    "single-elements.png": ("elements", "elements/results/*.csv"), **dict.fromkeys(FIGURES["paper"].values(), ("paper", "paper/statements.csv")), "paper-figure-9.png": ("paper", "paper/figure-9.csv"),
+    "single-elements.png": ("elements", "elements/results/*.csv resources/tone.csv"), **dict.fromkeys(FIGURES["paper"].values(), ("paper", "paper/statements.csv")), "paper-figure-9.png": ("paper", "paper/figure-9.csv"),
 }  # fmt: skip
-"""Pictures, their report, and the stored results of its run; of the validation only the steps, which its picture shows."""
+"""Pictures, their report, and patterns of the stored results of its run; of the validation only the steps, which its picture shows."""
 SIGNATURE, HEAD, KEY = b"\x89PNG\r\n\x1a\n", 33, b"Shows\0"  # Of a PNG; length of signature and first chunk; key of the hash
 TITLE = 14  # Height by which the title of a first panel stands out of its figure, px
 SHOWN = 4.0  # Time of the manoeuvre in the picture, s
@@ -45,7 +45,7 @@ LIVE_HEIGHT, LIVE_SHOWN = 868, 3000  # Height of the picture of the live page, p
 
 def shown(name: str) -> str:
     """The hash of the stored results that a picture shows, as they are today."""
-    content = b"".join(path.read_bytes() for path in sorted(ROOT.glob(STORED[name][1])))
+    content = b"".join(path.read_bytes() for pattern in STORED[name][1].split() for path in sorted(ROOT.glob(pattern)))
     if name == "validation-steps.png":
         content = json.dumps(json.loads(content)["steps"], sort_keys=True).encode()
     return hashlib.sha256(content).hexdigest()[:16]

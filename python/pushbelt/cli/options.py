@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import ArgumentError, MissingFileError
-from ..fmu.data import parameter_deviations
+from ..errors import MissingFileError
+from ..fmu.data import known_deviations
 from ..fmu.enumerations import RingModel
 from ..fmu.files import default_fmu
 from ..fmu.gradients import HELD, Asked
@@ -149,10 +149,7 @@ def numbers(text: str) -> tuple[float, ...]:
 
 def sensitivities(options: argparse.Namespace) -> tuple[dict[str, float], Asked]:
     """Standard deviations of parameters, and derivatives, of these options."""
-    found = parameter_deviations(options.variator) if options.bands else {}
-    if options.bands and not found:
-        raise ArgumentError(f"--bands: no parameter of {options.variator} has a known deviation")
-    return found, Asked(options.gradient, options.hold)
+    return known_deviations(options.variator) if options.bands else {}, Asked(options.gradient, options.hold)
 
 
 def names(text: str) -> tuple[str, ...]:

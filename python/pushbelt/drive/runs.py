@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from pushbelt.errors import ArgumentError
-from pushbelt.fmu.data import parameter_deviations
+from pushbelt.fmu.data import known_deviations
 from pushbelt.fmu.files import default_fmu
 from pushbelt.fmu.results import largest
 from pushbelt.fmu.unit import Archive, refuse_others
@@ -115,9 +115,7 @@ def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:
 def band_of_losses(fmu: Path, run: Run) -> tuple[float, list[str]]:
     """Relative standard deviation of the variator's lost energy, and the three parameters that make most of it. The controllers' demands are
     those of the run."""
-    deviations = parameter_deviations(run.setup.variator)
-    if not deviations:
-        raise ArgumentError(f"--bands: no parameter of {run.setup.variator} has a known deviation")
+    deviations = known_deviations(run.setup.variator)
     energy, found = np.cumsum(run["loss.total"]), []
     rows = np.searchsorted(energy, energy[-1] * (np.arange(STATES) + 0.5) / STATES)
     with Variator(run.setup.variator, fmu=fmu) as belt:

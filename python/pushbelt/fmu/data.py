@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import checks, file
-from ..errors import MissingFileError, UnknownNameError, similar
+from ..errors import ArgumentError, MissingFileError, UnknownNameError, similar
 from .enumerations import BeltKind
 from .files import RESOURCES
 from .geometry import TwoPulleyCurve, primary_radius, theta_of
@@ -44,6 +44,13 @@ def parameter_set(name: str | os.PathLike[str]) -> dict[str, float]:
 def parameter_deviations(name: str | os.PathLike[str]) -> dict[str, float]:
     """Standard deviations of a set's parameters, where its file has `deviation` beside `value`. Raises the errors of `parameter_set`."""
     return _whole_set(name)[1]
+
+
+def known_deviations(name: str | os.PathLike[str]) -> dict[str, float]:
+    """Those of `parameter_deviations`, for `--bands`. Raises ArgumentError if there are none."""
+    if found := parameter_deviations(name):
+        return found
+    raise ArgumentError(f"--bands: no parameter of {name} has a known deviation")
 
 
 def _whole_set(name: str | os.PathLike[str]) -> tuple[dict[str, float], dict[str, float]]:

@@ -126,7 +126,7 @@ def around(states: SteadyStates, line: Line, torque: float, found: Mapping[str, 
         unit = states.at(values, True)
         outputs, near = unit.outputs(), unit.state()
         with suppress(UnitError):
-            slopes = along.asked.of(unit, partial(rates, values))
+            slopes = along.asked.of(unit, partial(rates, values)) if along.asked.names else {}
             # The torque loss is T_P + T_S/i.
             of_loss = slopes["primary.externalTorque"] + slopes["secondary.externalTorque"] / line.ratio
             slopes["torqueLoss"] = of_loss - outputs["secondary.externalTorque"] / line.ratio**2 * slopes["ratio.geometric"]
