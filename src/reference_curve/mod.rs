@@ -40,3 +40,11 @@ pub struct ReferencePoint<T: Real> {
     /// Place ξ(η, Θ) on the curve, m.
     pub xi: Jet<T>,
 }
+
+impl<T: Real> ReferencePoint<T> {
+    /// ∂(κ n)/∂Θ at fixed η, 1/m.
+    #[inline(always)]
+    pub fn bend_theta(&self) -> Vector2<T> {
+        self.n * self.kappa_theta - self.t * (self.kappa * self.chi_theta)
+    }
+}

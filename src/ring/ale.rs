@@ -13,7 +13,8 @@
 //!
 //! Kelvin–Voigt damping T = EA (γ + η Dγ/Dt) has the virtual power of Dγ/Dt = γ̇ + w γ', with the
 //! mean of γ' over a cell of the mesh: the pointwise γ' excites waves as short as an element
-//! (`docs/decisions.md`).
+//! (`docs/decisions.md`). The moment EI η n_refᵀ (r'')˙ damps bending that changes at a mesh point,
+//! without loss in steady running.
 
 use super::Ring;
 use super::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
@@ -37,6 +38,12 @@ pub fn curvature<T: Real, const D: usize>(point: &RingPoint<T, D>) -> T {
         - reference.kappa * (reference.t.dot(&in_plane(&point.slope)) - 1.0)
 }
 
+/// Rate of bending n_refᵀ (r'')˙ at fixed η, 1/(m s).
+#[inline(always)]
+fn bending_rate<T: Real, const D: usize>(point: &RingPoint<T, D>) -> T {
+    point.reference.n.dot(&in_plane(&point.bend_dot))
+}
+
 /// Energies, the integrands of (6), (17), and damping of the ring at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct RingDensity<T> {
@@ -55,15 +62,18 @@ pub struct RingDensity<T> {
 pub fn density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> RingDensity<T> {
     let (velocity, gamma, rate, kappa) =
         (point.velocity(), point.strain(), point.strain_rate(), curvature(point));
+    let kappa_dot = bending_rate(point);
     let mut bending = kappa * kappa * ring.bending_stiffness;
+    let mut damped = rate * rate * ring.axial_stiffness + kappa_dot * kappa_dot * ring.bending_stiffness;
     for i in 2..D {
         bending += point.bend[i] * point.bend[i] * ring.lateral_bending_stiffness;
+        damped += point.bend_dot[i] * point.bend_dot[i] * ring.lateral_bending_stiffness;
     }
     RingDensity {
         kinetic: velocity.dot(&velocity) * (0.5 * ring.mass_per_length),
         membrane: gamma * gamma * (0.5 * ring.axial_stiffness),
         bending: bending * 0.5,
-        viscous: rate * rate * ring.viscosity(),
+        viscous: damped * ring.damping,
     }
 }
 
@@ -93,12 +103,13 @@ pub fn add_elasticity<T: Real, const D: usize>(
     let reference = &point.reference;
     let kappa = curvature(point);
     let moment = kappa * ring.bending_stiffness;
+    let resisting = bending_rate(point) * (ring.bending_stiffness * ring.damping);
     let viscous = point.strain_rate() * ring.viscosity();
     let tension = point.strain() * ring.axial_stiffness + viscous;
     load.slope += point.t * tension - embed(reference.t * (moment * reference.kappa));
-    load.bend += embed(reference.n * moment);
+    load.bend += embed(reference.n * (moment + resisting));
     for i in 2..D {
-        load.bend[i] += point.bend[i] * ring.lateral_bending_stiffness;
+        load.bend[i] += (point.bend[i] + point.bend_dot[i] * ring.damping) * ring.lateral_bending_stiffness;
     }
     load.drift += viscous * point.strain_gradient;
     let kappa_theta = kappa_theta(reference, &point.slope, &point.bend, 1.0);
@@ -137,6 +148,7 @@ pub fn vary_elasticity<T: Real, const D: usize>(
     let kappa = curvature(point);
     let d_kappa = n_ref.dot(&in_plane(&by.bend)) - reference.kappa * t_ref.dot(&in_plane(&by.slope));
     let (moment, d_moment) = (kappa * ring.bending_stiffness, d_kappa * ring.bending_stiffness);
+    let d_resisting = n_ref.dot(&in_plane(&by.bend_dot)) * (ring.bending_stiffness * ring.damping);
     let (gradient, d_gradient) = (point.strain_gradient, by.strain_gradient);
     let viscous = point.strain_rate() * viscosity;
     let d_viscous =
@@ -144,11 +156,11 @@ pub fn vary_elasticity<T: Real, const D: usize>(
     let tension = point.strain() * ring.axial_stiffness + viscous;
     let d_tension = by.stretch * ring.axial_stiffness + d_viscous;
     load.slope += by.t * tension + point.t * d_tension - embed(t_ref * (d_moment * reference.kappa));
-    load.bend += embed(n_ref * d_moment);
+    load.bend += embed(n_ref * (d_moment + d_resisting));
     let mut d_energy = point.strain() * by.stretch * ring.axial_stiffness + moment * d_kappa;
     for i in 2..D {
         let lateral = by.bend[i] * ring.lateral_bending_stiffness;
-        load.bend[i] += lateral;
+        load.bend[i] += lateral + by.bend_dot[i] * (ring.lateral_bending_stiffness * ring.damping);
         d_energy += point.bend[i] * lateral;
     }
     load.drift += d_viscous * gradient + viscous * d_gradient;

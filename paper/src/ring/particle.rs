@@ -71,6 +71,8 @@ impl<T: Real, const D: usize> Particle<T, D> {
             slope: self.slope,
             slope_dot,
             bend: self.bend,
+            // Needs r''', and only damping on an Eulerian mesh uses it.
+            bend_dot: zero_vector(),
         };
         RingPoint::from_motion(reference, place, motion)
     }

@@ -86,8 +86,10 @@ pub fn rotated_point<T: Real, const D: usize>(
         slope,
         slope_dot,
         bend,
+        bend_dot,
     } = d.zip(d, |v, _| in_plane(&v));
     let e = slope - turn_right(r) * kappa;
+    let h = bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa);
     let e_dot = slope_dot - turn_right(r) * kappa_dot - turn_right(r_dot) * kappa;
     let overlay = PointMotion {
         r,
@@ -98,7 +100,11 @@ pub fn rotated_point<T: Real, const D: usize>(
             - r * (chi.rate * chi.rate),
         slope: e,
         slope_dot: e_dot - turn_right(e) * chi.rate,
-        bend: bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa),
+        bend: h,
+        bend_dot: bend_dot
+            - turn_right(slope_dot * kappa + slope * kappa_dot) * T::from(2.0)
+            - (r_dot * kappa + r * (kappa_dot * 2.0)) * kappa
+            - turn_right(h) * chi.rate,
     };
     let overlay = overlay.zip(d, |v, d| turned(reference.t * v.x + reference.n * v.y, &d));
     let curve = RingPoint::on_curve(&reference, theta);

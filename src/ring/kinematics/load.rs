@@ -37,11 +37,9 @@ impl<T: Real, const D: usize> LineLoad<T, D> {
     /// Conjugate to δΘ where the ring follows the reference curve, N·m/m.
     #[inline(always)]
     pub fn on_curve(&self, reference: &ReferencePoint<T>) -> T {
-        let bend_theta =
-            reference.n * reference.kappa_theta - reference.t * (reference.kappa * reference.chi_theta);
         self.theta + in_plane(&self.position).dot(&reference.r_theta) - self.drift * reference.xi.d
             + in_plane(&self.slope).dot(&reference.n) * reference.chi_theta
-            + in_plane(&self.bend).dot(&bend_theta)
+            + in_plane(&self.bend).dot(&reference.bend_theta())
     }
 
     /// Conjugate to δΘ through the length of the element, where u' is `slope` and u'' `bend`,

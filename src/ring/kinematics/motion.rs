@@ -129,6 +129,8 @@ pub struct PointMotion<V> {
     pub slope_dot: V,
     /// r'', 1/m.
     pub bend: V,
+    /// (r'')˙, 1/(m s).
+    pub bend_dot: V,
 }
 
 impl<V> PointMotion<V> {
@@ -142,6 +144,7 @@ impl<V> PointMotion<V> {
             slope: f(self.slope, other.slope),
             slope_dot: f(self.slope_dot, other.slope_dot),
             bend: f(self.bend, other.bend),
+            bend_dot: f(self.bend_dot, other.bend_dot),
         }
     }
 }
@@ -194,13 +197,15 @@ impl<T: Real, const D: usize> ElementMotion<T, D> {
         let d = &self.d;
         let g = self.length.v.recip() * 2.0;
         let slope = combine(&shape.dn, &d.value) * g;
+        let bend = combine(&shape.ddn, &d.value) * (g * g);
         PointMotion {
             r: combine(&shape.n, &d.value),
             r_dot: combine(&shape.n, &d.rate),
             r_ddot: combine(&shape.n, &d.acceleration),
             slope,
             slope_dot: combine(&shape.dn, &d.rate) * g - slope * (self.length_motion.rate * g * 0.5),
-            bend: combine(&shape.ddn, &d.value) * (g * g),
+            bend,
+            bend_dot: combine(&shape.ddn, &d.rate) * (g * g) - bend * (self.length_motion.rate * g),
         }
     }
 }

@@ -26,6 +26,8 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
     pub slope_dot: SVector<T, D>,
     /// r'', 1/m.
     pub bend: SVector<T, D>,
+    /// (r'')˙ at fixed η, 1/(m s).
+    pub bend_dot: SVector<T, D>,
     /// |r'|.
     pub stretch: T,
     /// 1/|r'|.
@@ -53,6 +55,8 @@ impl<T: Real> RingPoint<T> {
             slope: reference.t * stretch,
             slope_dot: reference.n * (reference.chi_theta * rate * stretch) + reference.t * stretch_dot,
             bend: reference.n * (reference.kappa * stretch),
+            bend_dot: reference.bend_theta() * (rate * stretch)
+                + reference.n * (reference.kappa * stretch_dot),
             ..Self::on_curve(&reference, &motion.theta)
         };
         Self {
@@ -78,6 +82,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
             slope: embed(reference.t),
             slope_dot: embed(reference.n * (reference.chi_theta * rate)),
             bend: embed(reference.n * reference.kappa),
+            bend_dot: embed(reference.bend_theta() * rate),
         }
     }
 
@@ -92,6 +97,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
             slope,
             slope_dot,
             bend,
+            bend_dot,
         }: PointMotion<SVector<T, D>>,
         motion: &ReferenceMotion<T>,
     ) -> Self {
@@ -107,6 +113,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
             slope,
             slope_dot,
             bend,
+            bend_dot,
             stretch,
             inverse_stretch,
             t,
@@ -183,6 +190,8 @@ pub struct RingVariation<T: Real, const D: usize = 2> {
     pub slope_dot: SVector<T, D>,
     /// δr''.
     pub bend: SVector<T, D>,
+    /// δ(r'')˙.
+    pub bend_dot: SVector<T, D>,
     /// δ|r'|.
     pub stretch: T,
     /// δt̂.
@@ -206,6 +215,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
             slope: zero,
             slope_dot: zero,
             bend: zero,
+            bend_dot: zero,
             stretch: T::zero(),
             t: zero,
             normals: [zero; 2],
@@ -246,6 +256,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         v.slope[k] = slope;
         v.slope_dot[k] = d_dot * dn * g - slope * (l_dot * g * 0.5);
         v.bend[k] = d * ddn * (g * g);
+        v.bend_dot[k] = d_dot * ddn * (g * g) - v.bend[k] * (l_dot * g);
         v.stretch = point.t[k] * slope;
         v.t = (v.slope - point.t * v.stretch) * point.inverse_stretch;
         v.strain_gradient = v.t.dot(&point.bend) + point.t.dot(&v.bend);
