@@ -28,7 +28,6 @@ PLAY = 0.0002  # End play of the unstretched ring, m
 MOST_PLAY = 0.003  # Largest plausible end play, m
 STEEL = 2.06e11  # Young's modulus of the elements, Pa
 FLANK = 0.007  # Height of an element's flank, m
-SHEAVE = 1.2e11  # Stiffness of a sheave's face as an elastic half-space, N/m²
 PUSH_STIFFNESS = 1e7  # Push stiffness of elements of `WIDTH`, N
 FILM = {"belt.filmDamping": 2.7, "belt.squeezeDamping": 75.0, "belt.suction": 19.0}
 """Film parameters of elements of `WIDTH` and `THICKNESS`, SI."""
@@ -188,8 +187,7 @@ class Belt:
         inertia = 0.5 * mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2)
         bar = f"half of a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge"
         per_length = self.elements * mass / self.pitch_length
-        contact = 1.0 / (0.5 * d.width / (STEEL * FLANK) + 1.0 / SHEAVE)
-        flank = "half an element in compression, flank of 7 mm, in series with the sheave's face, 1.2e11"
+        flank = STEEL * FLANK / (0.5 * d.width)
         return {
             "belt.pitchOffset": _chosen(self.pitch_offset, d.pitch_offset is not None, saddle),
             "belt.play": Entry(self.play, play, "of the unstretched ring"),
@@ -201,7 +199,7 @@ class Belt:
                 name: Entry(value * scale, "typical", f"in proportion to the faces: {value:g} at 24 mm x 1.5 mm")
                 for (name, value), scale in zip(FILM.items(), (wider, wider * thicker, wider), strict=True)
             },
-            "contact.stiffness": Entry(contact, "typical", flank),
+            "contact.stiffness": Entry(flank, "typical", "half an element in compression, flank of 7 mm"),
         }
 
     def document(self, name: str, base: str, values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, Any]:

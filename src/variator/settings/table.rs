@@ -288,7 +288,7 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("ring.bendingStiffness", 1043, Real("N.m2", 0.0159, [1e-6, 10.0]), ring.bending_stiffness, "Bending stiffness EI of the ring sets in the plane of the drive. A stiffer beam would lift from the pulleys"),
         row!("ring.lateralBendingStiffness", 1046, Real("N.m2", 37.6, [1e-6, 1e9]), ring.lateral_bending_stiffness, "Bending stiffness EI of the ring sets out of the plane of the drive, with ring.spatial"),
         row!("ring.spatial", 1047, Switch(false), spatial, "True: the ring also deflects out of the plane of the drive, as between misaligned pulleys. Requires ring.model = ALE"),
-        row!("ring.damping", 1044, Real("s", 2.0e-5, [0.0, 1e-2]), ring.damping, "Kelvin-Voigt damping time of the axial strain"),
+        row!("ring.damping", 1044, Real("s", 2.0e-5, [0.0, 1e-2]), ring.damping, "Kelvin-Voigt damping time of axial strain and bending; bending where it changes at a place, so not in steady running"),
         // Two sets of nine layers carry half the tension each, which is equivalent to one set that
         // carries all.
         row!("ring.layers", 1049, Count(9, [1, 100]), layers.count, "Layers of each ring set, which slip on each other at ratios other than 1"),
@@ -305,10 +305,8 @@ pub fn parameters<S: AsRef<Parameters> + AsMut<Parameters>, Q>() -> impl Iterato
         row!("friction.ringVelocity", 1059, Real("m/s", 2.0e-3, [1e-6, 0.1]), friction.ring_velocity, "Regularisation velocity of the friction between ring and element"),
         // An engineering value, oiled steel on steel, as between ring and elements.
         row!("friction.layers", 1056, Real("1", 0.05, [0.0, 1.0]), layers.friction, "Friction coefficient between the layers of the ring sets"),
-        row!("contact.stiffness", 1061, Real("N/m2", 6.0e10, [1e6, 1e15]), contact.stiffness, "Contact stiffness per flank and pitch-line length"),
+        row!("contact.stiffness", 1061, Real("N/m2", 1.2e11, [1e6, 1e15]), contact.stiffness, "Contact stiffness per flank and pitch-line length"),
         row!("contact.roughness", 1063, Real("m", 1.0e-7, [1e-10, 1e-5]), contact.roughness, "Roughness of flank and sheave: distance over which the contact force rises"),
-        // With 1e-6, waves of 2.6 kHz grow where the belt enters an arc on the default mesh, but
-        // not on twice the elements.
         row!("contact.damping", 1062, Real("s", 3.0e-6, [0.0, 1e-2]), contact.damping, "Damping time of the contact between flank and sheave"),
         row!("mesh.primaryArc", 1071, Count(16, [2, 200]), mesh.primary_arc, "Ring elements on the primary arc"),
         row!("mesh.secondaryArc", 1072, Count(16, [2, 200]), mesh.secondary_arc, "Ring elements on the secondary arc, an even number"),
