@@ -186,7 +186,8 @@ def solutions(rig: points.Rig, parameters: int) -> float:
 
 def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     require("tables")  # The help needs no packages of the extras.
-    from . import misfit, model, report
+    from . import friction, misfit, model, report
+    from .causes import with_causes
     from .fit import fit
 
     fmu = options.fmu or default_fmu()
@@ -196,8 +197,8 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
     if rig is None or options.plan is not None:
         return _plan(options, fmu, base, chosen, rig.points if rig else [])
-    laws = [misfit.friction_over(rig, options.friction_over, chosen)] if options.friction_over else []
-    groups = misfit.friction_by(rig, options.friction_by, chosen) if options.friction_by else None
+    laws = [friction.over_column(rig, options.friction_over, chosen)] if options.friction_over else []
+    groups = friction.by_group(rig, options.friction_by, chosen) if options.friction_by else None
     laws += groups.causes if groups else []
     used = [name for name in (options.friction_over, options.friction_by) if name]
     rig.sheet.ignored = [title for title in rig.sheet.ignored if not any(same(name, title) for name in used)]
@@ -206,7 +207,7 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
     with model.opened(fmu, base, rig.points, options.workers, solutions(rig, len(chosen))) as opened:
-        fitted = misfit.with_causes(opened, laws)
+        fitted = with_causes(opened, laws)
         found = fit(fitted, chosen)
         trends = [] if rig.recorded else misfit.trends(rig, fitted, found)
         certain = [] if rig.recorded else misfit.ratio_of_speeds(rig, found)
@@ -214,7 +215,7 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     said = certain or [misfit.sentence(rig, found, cause) for cause in causes]
     if not found.misfit and causes and found.rms[1] > SUSPECT and causes[0].fit.rms[1] < 0.5 * found.rms[1]:
         found = found._replace(misfit=f"an error of the table leaves {causes[0].fit.rms[1]:.3g} standard deviations in place of {found.rms[1]:.3g}")
-    holding = [*filter(None, (law.advice for law in laws)), *(misfit.compared(groups, found) if groups else [])]
+    holding = [*filter(None, (law.advice for law in laws)), *(friction.compared(groups, found) if groups else [])]
     about = (time.perf_counter() - begin, points.notes(rig.sheet), said, trends, holding)
     results = report.Results(options.table.name, description.version or "", options.variator, base, fitted, found, *about)
     options.output.mkdir(parents=True, exist_ok=True)

@@ -18,6 +18,7 @@ from .parameters import Parameter, assign
 from .worker import Found
 
 CONFIDENCE = 0.95
+CHANCE = 0.01  # Probability that scatter is taken for a cause, a difference of groups or a trend, over all tests
 UNDETERMINED = 1.0
 """Largest half-width of the interval of a determined parameter, in its coordinate: the start value itself, or a factor of e."""
 MISFIT = 3.0  # Root mean square of the residuals, in standard deviations, above which a fit is bad
