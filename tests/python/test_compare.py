@@ -9,7 +9,7 @@ import pytest
 import reports
 from conftest import CHEAP
 
-from pushbelt import Variator, parameter_set
+from pushbelt import ArgumentError, Variator, parameter_set
 from pushbelt.compare import __main__, report, runs, sets
 from pushbelt.tables import titles
 from pushbelt.tables import write as write_table
@@ -77,7 +77,7 @@ def test_units_are_those_in_the_files(tmp_path: Path) -> None:
     (pair,) = runs.pairs(a, b)
     assert pair.units == {"time": "s", "primary.torque": "N.m", "secondary.speed": "rpm"}
     assert not pair.differing
-    with pytest.raises(runs.CompareError, match="secondary.speed is in rpm in"):
+    with pytest.raises(ArgumentError, match="secondary.speed is in rpm in"):
         runs.pairs(a, other)
 
 

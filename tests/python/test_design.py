@@ -16,14 +16,16 @@ import pytest
 import reports
 from conftest import MESH
 
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.study.cluster import slurm
 from pushbelt.study.run import solve
 from pushbelt.sweep.__main__ import main
-from pushbelt.sweep.design import Design, DesignError, Varied, crossed, listed, varied
+from pushbelt.sweep.design import Design, Varied, crossed, listed, varied
 from pushbelt.sweep.point import start_values
 from pushbelt.sweep.results import METADATA, table
 from pushbelt.sweep.study import Grid, Study, variator, warnings_of
+from pushbelt.tables.sheet import TableError
 
 COARSE_OPTIONS = [f"--set={name}={value}" for name, value in MESH.items()]
 
@@ -40,7 +42,7 @@ def test_columns_are_read(text: str, expected: Varied | None) -> None:
     if expected is not None:
         assert varied(text) == expected
         return
-    with pytest.raises(DesignError, match=re.escape(text)):
+    with pytest.raises(ArgumentError, match=re.escape(text)):
         varied(text)
 
 
@@ -90,7 +92,7 @@ def test_what_a_list_does_not_set_is_named(read) -> None:
 )  # fmt: skip
 def test_lists_that_are_refused(read, text: str, whys: list[str]) -> None:
     """All faults of a file are in one answer."""
-    with pytest.raises(DesignError) as caught:
+    with pytest.raises(TableError) as caught:
         read(text)
     for why in whys:
         assert why in str(caught.value)

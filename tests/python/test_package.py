@@ -81,8 +81,7 @@ def test_errors_have_a_known_class_and_a_message() -> None:
             continue
         assert isinstance(node.exc, ast.Call) and node.exc.args, f"{place}: it has a message"
         name = ast.unparse(node.exc.func)
-        # `table.error` makes an error of the class DurabilityError.
-        assert name in BUILTIN or name.rpartition(".")[2] in {*classes, "error"}, f"{place}: a class of the package or ValueError"
+        assert name in BUILTIN or name.rpartition(".")[2] in classes, f"{place}: a class of the package or ValueError"
         if (part_of(module) in ("fmu", "linear", "maps") or module in LIBRARY) and not module.endswith(programs) and "." not in name:
             assert name in {*pushbelt.__all__, *NOT_RAISED_BY_CALLS}, f"{place}: the library raises what it exports"
         message = ast.unparse(node.exc.args[0]).removeprefix("f").strip("'\"")

@@ -6,6 +6,6 @@
 `docs/belt.md` has the formulas and their sources.
 """
 
-from .geometry import Belt, BeltError, Dimensions
+from .geometry import Belt, Dimensions
 
-__all__ = ["Belt", "BeltError", "Dimensions"]
+__all__ = ["Belt", "Dimensions"]

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_set, add_variator, material, program, quantity
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import SAFETY_RANGE, parameter_set
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.unit import belt_described
@@ -22,7 +23,7 @@ from pushbelt.points import SteadyStateError
 from pushbelt.steel import Material, check_ranges
 from pushbelt.variator import Variator
 
-from .geometry import Belt, BeltError, Dimensions
+from .geometry import Belt, Dimensions
 
 OUT_OF_LIMITS = 3
 """Exit code if the set is written, but the ring's stress is beyond its limits, or a load case has no steady state."""
@@ -105,7 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     belt = Belt(Dimensions(**{name: value for name, value in given.items() if value is not None}))
     if options.ratio is not None and not 1.0 / belt.reach <= options.ratio <= belt.reach:
         ends = f"the stops at {1e3 * belt.dimensions.min_radius:g} and {1e3 * belt.max_radius:g} mm"
-        raise BeltError(f"ratio {options.ratio:g} is out of reach: {ends} allow {1.0 / belt.reach:.3f} to {belt.reach:.3f}")
+        raise ArgumentError(f"ratio {options.ratio:g} is out of reach: {ends} allow {1.0 / belt.reach:.3f} to {belt.reach:.3f}")
     variables = {variable.name: variable for variable in belt_described(options.fmu).modelVariables}
     changes = checked(variables, dict(options.set), {"parameter"})
     document = belt.document(options.name, options.variator, parameter_set(options.variator), changes)

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.geometry import Array
 from pushbelt.tables.columns import REQUIRED
 from pushbelt.tables.points import Point, Rig
@@ -15,7 +16,7 @@ from pushbelt.tables.sheet import TableError, same
 
 from .causes import Cause, Values
 from .fit import CHANCE, CONFIDENCE, Fit
-from .parameters import Parameter, ParameterError, additional
+from .parameters import Parameter, additional
 from .worker import Job
 
 FRICTION, ORDER = "friction.pulley", "row order"
@@ -44,7 +45,7 @@ def _friction_law(
     friction = next((one for one in parameters if one.name == FRICTION), None)
     own = next((name for name in some if name == rig.sheet.title(title) or same(name, title)), None)
     if friction is None:
-        raise ParameterError(f"{FRICTION} over {title} requires {FRICTION} in --fit")
+        raise ArgumentError(f"{FRICTION} over {title} requires {FRICTION} in --fit")
     if own is None:
         raise TableError(f"there is no column {title}; there are {', '.join(some)}", rig.sheet.path)
 
@@ -61,7 +62,7 @@ def _friction_law(
 
 
 def over_column(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Cause:
-    """A fitted friction that is a linear function of a column about its mean. Raises ParameterError if it is not fitted, and TableError without
+    """A fitted friction that is a linear function of a column about its mean. Raises ArgumentError if it is not fitted, and TableError without
     such numbers."""
     own, law = _friction_law(rig, title, numbers := columns(rig), parameters)
     column = numbers[own]
@@ -81,7 +82,7 @@ def over_unknown_columns(rig: Rig, parameters: Sequence[Parameter]) -> list[Caus
 
 
 def by_group(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Groups:
-    """A fitted friction of each group of points with the same cell in a column. Raises ParameterError if the friction is not fitted, and TableError
+    """A fitted friction of each group of points with the same cell in a column. Raises ArgumentError if the friction is not fitted, and TableError
     if there are not two groups, or one has fewer than two points."""
     some = columns(rig) | {name: column[rig.rows] for name, column in rig.sheet.others.items()}
     own, law = _friction_law(rig, title, some, parameters)

@@ -139,7 +139,7 @@ def _bands(values: Array, unit: str) -> list[tuple[str, Array]]:
 
 
 def damage(table: Table, material: Material, parameters: Mapping[str, float]) -> Damage:
-    """Damage of a run. Raises DurabilityError by line and column if an amplitude is not that of a running ring, or the mean or the
+    """Damage of a run. Raises TableError by line and column if an amplitude is not that of a running ring, or the mean or the
     largest stress reaches the strength."""
     parts = cycles(table)
     low, most = AMPLITUDES

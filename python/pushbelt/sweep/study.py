@@ -17,7 +17,7 @@ from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
 
 from . import point
-from .design import Design, DesignError, Points
+from .design import Design, Points
 from .point import Point, start_values
 
 CHUNK = 8
@@ -95,7 +95,7 @@ class Study(Tasks):
         self.grid.check(self.variables)
         fixed = {"initial.equilibrium", *steady.driven_by_torque({}, 1.0, 1.0, 0.0, 1.0)}
         if taken := parameters.keys() & {*self.grid.columns, *fixed}:
-            raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
+            raise ArgumentError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
         given = any("initial.equilibrium" in point.ACTING.get(name, ()) for name in self.grid.columns)
         object.__setattr__(self, "asked", self.asked.checked(self.variables, ["forces"] if given else gradients.HELD))
