@@ -56,7 +56,7 @@ def belt() -> str:
     push = 500.0 * (1.0 + np.sin(2.0 * np.pi * position / curve.length))
     profiles = [Profile(position, np.roll(push, k), none, none, none, none, none) for k in (0, 36)]
     states = {float(k): BeltState({"reference.theta": 0.2, **outputs}, profile) for k, profile in enumerate(profiles)}
-    return belt_view.belt_view(belt_view.motion(states, BENCH), BENCH, "A belt", group="one")
+    return belt_view.belt_view(states, BENCH, "A belt", group="one")
 
 
 @pytest.fixture(scope="module")

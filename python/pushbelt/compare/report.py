@@ -9,10 +9,10 @@ from markupsafe import Markup
 
 from pushbelt import tables
 from pushbelt.fmu.data import is_chain
-from pushbelt.fmu.results import Profile, Trace
+from pushbelt.fmu.results import BeltState, Profile, Trace
 from pushbelt.fmu.unit import PROFILE_FIELDS, PROFILE_POINTS
 from pushbelt.report import page
-from pushbelt.report.belt_view import OUTPUTS, SPEEDS, Motion, belt_view, of_run
+from pushbelt.report.belt_view import OUTPUTS, SPEEDS, belt_view, of_run
 from pushbelt.report.charts import Chart, Series, stack
 from pushbelt.report.style import BLUE, ORANGE, in_figures
 
@@ -55,7 +55,7 @@ def _belts(pair: Pair, group: str, parameters: Mapping[str, float]) -> list[tupl
     if not all(run.columns.keys() >= set(needed(parameters)) for run in pair.runs):
         return []
     runs = zip("AB", pair.runs, strict=True)
-    return [(who, belt_view(belt_of(run, parameters), parameters, f"Belt of run {who} over time", group)) for who, run in runs]
+    return [(who, belt_view(belt_of(run), parameters, f"Belt of run {who} over time", group, run=run)) for who, run in runs]
 
 
 def places(field: str) -> list[str]:
@@ -68,8 +68,8 @@ def needed(parameters: Mapping[str, float]) -> list[str]:
     return [*OUTPUTS, *SPEEDS, *(name for field in fields for name in places(field))]
 
 
-def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:
-    """The belt over the time of the run, at evenly spaced rows. `parameters` are those of the variator."""
+def belt_of(run: Trace) -> dict[float, BeltState]:
+    """The belt over the time of the run, at evenly spaced rows."""
     rows = np.unique(np.linspace(0, len(run.time) - 1, MOMENTS).round().astype(int))
     none = np.zeros((len(run.time), PROFILE_POINTS))
     tables = {
@@ -77,7 +77,7 @@ def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:
         for name, field in PROFILE_FIELDS.items()
     }
     profiles = {float(run.time[k]): Profile(**{name: of[k] for name, of in tables.items()}) for k in rows}
-    return of_run(run, profiles, parameters)
+    return of_run(run, profiles)
 
 
 def overlay(pair: Pair, wanted: Sequence[str] = (), group: str = "") -> Chart:

@@ -12,7 +12,7 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import intervals
 from pushbelt.report import page
-from pushbelt.report.belt_view import belt_view, motion
+from pushbelt.report.belt_view import belt_view
 from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
@@ -173,7 +173,7 @@ def write_html(results: Results, path: Path) -> None:
     close_up, belt = named.get("close-up"), ""
     if slip.snapshots:
         title = "The belt on its pulleys during the drive"
-        belt = belt_view(motion(slip.snapshots, parameters), parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
+        belt = belt_view(slip.snapshots, parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
     context = {
         "version": results.version, "plan": results.plan, "car": results.plan.car,
         "rows": [
