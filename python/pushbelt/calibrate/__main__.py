@@ -218,10 +218,9 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     holding = [*filter(None, (law.advice for law in laws)), *(friction.compared(groups, found) if groups else [])]
     about = (time.perf_counter() - begin, points.notes(rig.sheet), said, trends, holding)
     results = report.Results(options.table.name, description.version or "", options.variator, base, fitted, found, *about)
-    options.output.mkdir(parents=True, exist_ok=True)
     report.write_residuals(results, options.output / "residuals.csv")
     report.write_parameters(results, options.output / "parameters.json")
-    report.write_html(results, path := options.output / "report.html")
+    path = report.write_html(results, options.output / "report.html")
     if found.misfit:
         print(f"does not fit: {found.misfit}")
     if left_out := report.outliers(results):
@@ -249,7 +248,6 @@ def _plan(options: argparse.Namespace, fmu: Path, base: dict[str, float], chosen
     print(f"{len(places)} places, {len(chosen)} parameters: about {seconds:.0f} s on {options.workers} processors", file=sys.stderr)
     with model.opened(fmu, base, [*table, *places], options.workers, solutions) as opened:
         found = plan.plan(opened, len(table), chosen, values, options.plan)
-    options.output.mkdir(parents=True, exist_ok=True)
     for line in plan.write(found, path := options.output / "plan.csv"):
         print(f"  {line}")
     print(path.resolve())

@@ -192,7 +192,7 @@ def _unit(quantity: str) -> str:
     return "" if MEASURED[quantity].dimension == "ratio" else "1/s"
 
 
-def write_html(results: Results, path: Path) -> None:
+def write_html(results: Results, path: Path) -> Path:
     found, rows = results.fit, results.rows
     used = rows[rows["found"].notna() & rows["kept"]]
     names, correlations = [estimate.parameter.name for estimate in found.determined], found.spread.correlations
@@ -213,7 +213,7 @@ def write_html(results: Results, path: Path) -> None:
         "priors": [estimate.parameter.name for estimate in found.estimates if estimate.parameter.prior],
         "step": model.STEP, "undetermined": fit.UNDETERMINED, "settling": worker.SETTLING, "window": worker.WINDOW,
     }  # fmt: skip
-    page.write_html("calibrate/calibrate.html.j2", context, path, plain=model.plain)
+    return page.write_html("calibrate/calibrate.html.j2", context, path, plain=model.plain)
 
 
 def _quantity(results: Results, quantity: str) -> dict[str, Any]:
@@ -237,7 +237,6 @@ def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]],
         sets = {name: opened.rows(opened.states(values)) for name, values in parameters.items()}
     first = next(iter(sets.values()))
     scores = [score(own, quantity, name) for quantity in quantities(first) for name, own in sets.items()]
-    folder.mkdir(parents=True, exist_ok=True)
     tables.write(folder / "holdout.csv", SCORES, scores)
     pd.DataFrame(scores).to_json(folder / "holdout.json", orient="records", double_precision=15, indent=2)
     header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in sets)]

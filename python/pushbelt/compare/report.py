@@ -27,7 +27,6 @@ MOMENTS = 300  # Largest number of times of a run in the animation
 def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters: Mapping[str, float]) -> Path:
     """Writes report and differences; returns the path of the report. It shows both belts of a pair if both files have the fields along the
     belt; `parameters` are those of the variator."""
-    folder.mkdir(parents=True, exist_ok=True)
     measures = (f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest"))
     found = ((pair, d) for pair in pairs for d in pair.differences)
     rows = (
@@ -36,18 +35,14 @@ def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters
     tables.write(folder / "differences.csv", ["run", "column", "unit", *measures, "time [s]", "largestShare [1]"], rows)
     keys = [f"run-{k}" for k in range(1, len(pairs) + 1)]
     shown = [(key, pair, overlay(pair, wanted, key), _belts(pair, key, parameters)) for key, pair in zip(keys, pairs, strict=True)]
-    path = folder / "report.html"
-    page.write_html("compare/compare.html.j2", {"pairs": shown, "most": MOST, "chosen": bool(wanted)}, path)
-    return path
+    return page.write_html("compare/compare.html.j2", {"pairs": shown, "most": MOST, "chosen": bool(wanted)}, folder / "report.html")
 
 
 def write_sets(rows: Sequence[Difference], paths: Sequence[Path], folder: Path) -> Path:
     """Writes report and differences of two parameter sets; returns the path of the report."""
-    folder.mkdir(parents=True, exist_ok=True)
     header = ["parameter", "unit", *(f"{name} {tables.OF_A_VARIABLE}" for name in ("A", "B", "difference", "deviation")), "difference/deviation [1]"]
     tables.write(folder / "differences.csv", header, rows)
-    page.write_html("compare/sets.html.j2", {"rows": rows, "paths": paths, "verdict": verdict(rows)}, path := folder / "report.html")
-    return path
+    return page.write_html("compare/sets.html.j2", {"rows": rows, "paths": paths, "verdict": verdict(rows)}, folder / "report.html")
 
 
 def _belts(pair: Pair, group: str, parameters: Mapping[str, float]) -> list[tuple[str, Markup]]:

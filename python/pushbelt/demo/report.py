@@ -134,7 +134,7 @@ def shaded_arcs(curve: TwoPulleyCurve, named: bool = False) -> list[Shade]:
     ]
 
 
-def write_html(results: DemoResults, path: Path) -> None:
+def write_html(results: DemoResults, path: Path) -> Path:
     chosen = next(result for result in results.cases if result.case.name == CHOSEN_CASE)
     curve = curve_at(results.parameters, chosen.steady)
     trace = results.manoeuvre.trace
@@ -163,7 +163,7 @@ def write_html(results: DemoResults, path: Path) -> None:
         "energy_lost": float(np.sum(trace["loss.total"]) * STEP),
         "chosen": chosen, "speed": load_case_speed(), "pictures": pictures,
     }  # fmt: skip
-    page.write_html("demo/report.html.j2", context, path)
+    return page.write_html("demo/report.html.j2", context, path)
 
 
 def write_trace(results: DemoResults, path: Path) -> None:

@@ -60,13 +60,12 @@ def main(arguments: Sequence[str] | None = None) -> console.Done:
     plan = dataclasses.replace(plan, cycle=(plan.cycle[0], end), **given)
     begin = time.perf_counter()
     results = runs.run_all(options.fmu, plan, options.output)
-    options.output.mkdir(parents=True, exist_ok=True)
     for run in results.runs:
         report.write_trace(run, results.units, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
     for run in results.runs[:2] if options.bands else ():
         share, most = runs.band_of_losses(options.fmu, run)
         print(f"  {run.setup.name}: losses of the variator {1e-3 * run.variator_loss:.4g} kJ ± {100.0 * share:.0f} %, most by {', '.join(most)}")
-    report.write_html(results, path := options.output / "report.html")
+    path = report.write_html(results, options.output / "report.html")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return console.Done(0, results)
 

@@ -166,7 +166,7 @@ def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
     tables.write(path, ["time [s]", *tables.titles(columns, units)], table.tolist(), digits=7)
 
 
-def write_html(results: Results, path: Path) -> None:
+def write_html(results: Results, path: Path) -> Path:
     parameters = parameter_set(results.plan.variator)
     named = {run.setup.name: run for run in results.runs}
     fixed, slip, *_, safe, controlled = results.runs
@@ -194,4 +194,4 @@ def write_html(results: Results, path: Path) -> None:
             "low_friction": low_friction(safe, controlled), "map": operating_points(results.thrust_map, slip),
         },
     }  # fmt: skip
-    page.write_html("drive/drive.html.j2", context, path)
+    return page.write_html("drive/drive.html.j2", context, path)

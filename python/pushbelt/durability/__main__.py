@@ -61,7 +61,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return damage(read(path, not options.hours, options.profile, partial(_solved, options, changes)), steel, parameters)
 
     results = [solved(path) for path in paths]
-    options.output.mkdir(parents=True, exist_ok=True)
     path = report.write(results, options.output)
     for result in results:
         print(f"  {result.table.name}: {report.summary(result)}")

@@ -25,7 +25,7 @@ Drawn = tuple[dict[str, Any], LinearModel]  # A point in the figures: name, colo
 
 def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -> Path:
     """Writes the report and returns its path. Raises KeyError for an output that the models do not have."""
-    found, path = list(grid.points()), folder / "report.html"
+    found = list(grid.points())
     drawn = [(look, model.select(outputs)) for look, model in chosen(grid)]
     context = {
         "points": [(title(grid, point), model, ", ".join(map(pole, model.poles[model.poles.imag >= 0.0][:SHOWN_POLES]))) for point, model in found],
@@ -33,8 +33,7 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
         "charts": list(charts(drawn, time)),
         "first": found[0][1], "drawn": len(drawn),
     }  # fmt: skip
-    page.write_html("linearize/linearize.html.j2", context, path)
-    return path
+    return page.write_html("linearize/linearize.html.j2", context, folder / "report.html")
 
 
 def chosen(grid: LinearGrid) -> list[Drawn]:

@@ -187,8 +187,7 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
         "columns_of_points": [(name, about[name]["unit"], _values(numbers[name])) for name in names],
     }  # fmt: skip
     own = _of_design(study.grid, numbers, about) if isinstance(study.grid, Design) else _of_grid(results)
-    write_html("sweep/sweep.html.j2", context | own, path := folder / "report.html")
-    return path
+    return write_html("sweep/sweep.html.j2", context | own, folder / "report.html")
 
 
 def _values(column: pandas.Series) -> str:

@@ -34,7 +34,7 @@ def split(text: str) -> tuple[str, str | None]:
 
 
 def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int | None = 9, remark: str | None = None) -> None:
-    """Writes a table as CSV. `digits` is the number of significant digits of floating-point numbers; None writes all. A
+    """Writes a table as CSV; a missing folder is made. `digits` is the number of significant digits of floating-point numbers; None writes all. A
     `remark` is the first line, after `#`. Raises ArgumentError if a column with floating-point numbers has no unit in its
     title."""
     header = list(header)
@@ -47,6 +47,7 @@ def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digi
             raise ArgumentError(f"{path.name}: the column {title} has no unit")
         return repr(float(value)) if digits is None else f"{value:.{digits}g}"
 
+    path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", encoding="utf-8", newline="") as file:
         if remark is not None:
             file.write(f"# {remark}\n")
