@@ -1,8 +1,6 @@
 """Checks of the arguments of public functions. A rule returns a value as the function takes it, or raises ArgumentError with one line:
 which argument, which value, which range."""
 
-from __future__ import annotations
-
 import functools
 import inspect
 import os

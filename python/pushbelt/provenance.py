@@ -1,7 +1,5 @@
 """What a report was made from: the command with its options, hashes of the FMU and the inputs, and the date."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re

@@ -15,8 +15,6 @@ one, at the parameters of --variator. Their limits are those of TABLE or of --wi
 Exit codes: 0 the model fits, 1 an error, 3 it does not fit (all files are written).
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import re

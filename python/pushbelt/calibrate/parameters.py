@@ -1,7 +1,5 @@
 """The fitted parameters of the FMU, with start value, bounds and the coordinate of the fit."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

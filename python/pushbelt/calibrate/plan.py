@@ -4,8 +4,6 @@ A place adds JᵀJ of what would be measured there to the information of the tab
 the eighth power, which the widest one rules, in the mean over the loss of any one point. So no interval depends on a single place.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Reports and files: of a calibration, and of a parameter set on a table that it was not fitted to, beside another set."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """The worker process: loads the FMU once and solves points of the table in sequence."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence

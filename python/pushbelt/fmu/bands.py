@@ -1,7 +1,5 @@
 """Standard deviations of the outputs of a steady state by those of parameters and conditions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Forces that close the pulleys, by the law of the FMU (`docs/hydraulics.md`): F = F_clamp + p A + F₀ − k z + c ω² − S ż/√(ż² + v₀²)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Data from `resources/`: published variators, parameter sets and the manoeuvre."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """Paths of the FMU and the published data, in the installed package or in the source tree."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -4,8 +4,6 @@ The FMU starts in the steady state for its inputs; the belt torque on the primar
 The secondary torque for a specified belt torque is corrected by the difference until it is there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from ..errors import PushbeltError

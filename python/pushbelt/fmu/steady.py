@@ -4,8 +4,6 @@ another on one instance of the FMU. Forces are whole ones: a cylinder with an ar
 Enumerations are plain numbers, for workers that do not have this package.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 

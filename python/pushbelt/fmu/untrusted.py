@@ -1,7 +1,5 @@
 """Files from untrusted sources: archives and JSON are checked before use, and each problem is reported as one error."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -5,8 +5,6 @@ the primary torque is that of the belt; the secondary bearings have a reference 
 whole is at rest, so the contact forces on both pulleys have the same resultant.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence

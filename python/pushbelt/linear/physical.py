@@ -10,8 +10,6 @@ x, and to w = ż/|λ| − p B u/|λ| of the pair's share z = p ξ of x, in the d
 ẇ = −|λ| z + 2 Re λ w + …, becomes a lag with the pole −|λ| and the same static gain. The slower poles and all static gains are exact.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

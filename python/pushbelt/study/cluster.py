@@ -3,8 +3,6 @@
 A chunk is a list of numbered tasks. A worker solves it by the method `solver.solve` of a plugin, which returns a row for each task.
 """
 
-from __future__ import annotations
-
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -4,8 +4,6 @@ This module is sent to the workers with the procedure of the tasks and the modul
 packages `distributed`, `fmpy` and `numpy`, but not this project.
 """
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json

@@ -3,8 +3,6 @@
 An interrupted study continues from its finished points.
 """
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import sys

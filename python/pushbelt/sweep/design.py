@@ -4,8 +4,6 @@ Columns that are not varied have these values: ratio 1, utilisation 0.6, 2000 rp
 force, with pressure, spring and rotating oil, gives the torque of a utilisation.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """The report of a study, one self-contained HTML file: maps of a grid; of a design rank correlations, and scatter over each varied column."""
 
-from __future__ import annotations
-
 import itertools
 from collections import Counter
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A study: an FMU, parameters, and a grid or another design of working points."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Collection, Iterator, Mapping
