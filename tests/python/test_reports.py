@@ -67,10 +67,10 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
         Panel("First", [Series("a", time, time, width=3.2, opacity=0.5), Series("b", time, 2.0 * time, dash="dashdot")], "time (s)", x_range=(0.0, 1.0)),
         Panel("Second", [Series("c", time, 10.0 ** (3.0 * time)), Series("d", time, -time)], x_range=(0.0, 1.0)),
     ]
-    linked = charts.html(Chart(panels, "Two panels", linked=True, group="one"))
-    every = charts.html(Chart([replace(EVERYTHING, equal=False, x_ticks=(), marks=[Mark(1.5, "1")]), *NARROW], "Every kind of figure"))
+    linked = Chart(panels, "Two panels", linked=True, group="one").__html__()
+    every = Chart([replace(EVERYTHING, equal=False, x_ticks=(), marks=[Mark(1.5, "1")]), *NARROW], "Every kind of figure").__html__()
     ends = [Panel(f"Shared {k}", [Series("kept", X, X), Series("other", X, -X)], x_ticks=((0.0, "left"), (1800.0, f"right {k}"))) for k in (1, 2)]
-    shared = charts.html(Chart(ends, "Shared keys", columns=2, common_legend=True))
+    shared = Chart(ends, "Shared keys", columns=2, common_legend=True).__html__()
     facts = '<div class="facts"><div><b>12</b><span>points</span></div></div>'
     folder = tmp_path_factory.mktemp("page")
     (folder / "page.html.j2").write_text("{% extends 'base.html.j2' %}{% block main %}{{ content | safe }}{% endblock %}", encoding="utf-8")
