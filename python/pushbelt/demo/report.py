@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from pushbelt import tables
-from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
+from pushbelt.fmu.data import curve_of, is_chain, load_case_speed
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from pushbelt.fmu.results import LoadCaseResult, Profile, Trace, intervals
 from pushbelt.report import page
@@ -136,7 +136,7 @@ def shaded_arcs(curve: TwoPulleyCurve, named: bool = False) -> list[Shade]:
 
 def write_html(results: DemoResults, path: Path) -> Path:
     chosen = next(result for result in results.cases if result.case.name == CHOSEN_CASE)
-    curve = curve_at(results.parameters, chosen.steady)
+    curve = curve_of(results.parameters, chosen.steady["reference.theta"])
     trace = results.manoeuvre.trace
     found = events.detect(trace)
     slips_through = results.manoeuvre.snapshots.get(8.6)

@@ -14,7 +14,7 @@ from ..errors import ArgumentError, MissingFileError, UnknownNameError, similar
 from .enumerations import BeltKind
 from .files import RESOURCES
 from .geometry import TwoPulleyCurve, primary_radius, theta_of
-from .results import BeltState, LoadCase, Trace
+from .results import LoadCase, Trace
 from .untrusted import InputFileError, read_parameters
 
 SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
@@ -96,10 +96,6 @@ def published_data() -> dict[str, Any]:
 
 def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
     return TwoPulleyCurve(needed(parameters, "geometry.centerDistance"), needed(parameters, "geometry.beltLength"), theta)
-
-
-def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurve:
-    return curve_of(parameters, state["reference.theta"])
 
 
 def pitch_radius(parameters: Mapping[str, float], ratio: float) -> float:
