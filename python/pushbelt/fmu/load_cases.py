@@ -1,4 +1,4 @@
-"""Steady states at a specified belt torque: the nine load cases, computed with the FMU.
+"""Steady states at a specified belt torque, such as those of the nine load cases.
 
 The FMU starts in the steady state for its inputs; the belt torque on the primary pulley is an output.
 The secondary torque for a specified belt torque is corrected by the difference until it is there.
@@ -7,16 +7,11 @@ The secondary torque for a specified belt torque is corrected by the difference 
 from collections.abc import Mapping
 
 from ..errors import PushbeltError
-from .data import load_case_speed
-from .geometry import ratio_of
-from .results import LoadCase, LoadCaseResult, SteadyState
-from .steady import driven_at_speed
-from .unit import Archive, Instance
+from .results import SteadyState
+from .unit import Instance
 
 TORQUE_TOLERANCE = 1e-4  # Relative tolerance of the belt torque
 MOST_EVALUATIONS = 20  # Largest number of corrections
-DRIFT_TIME = 0.2  # Simulated time in the check that a steady state persists, s
-DRIFT_STEP = 0.01  # Communication step of this check, s
 
 
 class NotFoundError(PushbeltError, RuntimeError):
@@ -37,13 +32,3 @@ def solve(unit: Instance, start_values: Mapping[str, float], torque: float) -> S
             return SteadyState(unit.outputs(), unit.profile(), load)
         load += excess * start_values["initial.ratio"]
     raise NotFoundError(f"no load torque gives a belt torque of {torque:g} N·m; the last one is off by {excess:g} N·m")
-
-
-def run(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> LoadCaseResult:
-    """Runs one load case, and continues it."""
-    start_values = driven_at_speed(parameters, ratio_of(case.theta), load_case_speed(), 0.0, case.clamping_force, held=True)
-    with Instance(archive, start_values) as unit:
-        steady = solve(unit, start_values, case.torque)
-        for step in range(round(DRIFT_TIME / DRIFT_STEP)):
-            unit.step_to((step + 1) * DRIFT_STEP)
-        return LoadCaseResult(case, steady, unit.get("thrustRatio") / steady["thrustRatio"] - 1.0)
