@@ -225,9 +225,6 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-# Hold-out
-
-
 def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]], workers: int, folder: Path) -> list[Score]:
     """Scores of sets by name on a table, by quantity and set: the first one, and those for comparison. Writes report.html, holdout.csv,
     holdout.json and residuals.csv."""

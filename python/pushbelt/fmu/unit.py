@@ -206,8 +206,6 @@ class Instance(AbstractContextManager["Instance"]):
         names = {name: [f"profile.{field}[{k + 1}]" for k in range(PROFILE_POINTS)] for name, field in PROFILE_FIELDS.items()}
         return Profile(**{name: self.get_reals(self.reals(places)) for name, places in names.items()})
 
-    # Beyond the standard
-
     def _reset_near(self) -> None:
         function = self._instance.dll.pushbeltResetNear
         function.argtypes = [ctypes.c_void_p]

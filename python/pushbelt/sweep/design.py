@@ -86,9 +86,6 @@ class Design(Points):
                 raise ArgumentError(f"point {line} of the design is not complete: {row}")
 
 
-# Reading
-
-
 def varied(text: str) -> Varied:
     """`NAME=A,B,…`, `NAME=LOW:HIGH:N` (N values, evenly spaced) or `NAME=LOW:HIGH` (for a Latin hypercube)."""
     name, _, values = (part.strip() for part in text.partition("="))
