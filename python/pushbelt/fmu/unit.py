@@ -41,11 +41,6 @@ class UnitError(PushbeltError, RuntimeError):
     """A call of the FMU failed. The message contains the log of the FMU."""
 
 
-class Message(NamedTuple):
-    status: int  # `fmi2Status`
-    text: str
-
-
 @dataclass(frozen=True)
 class Archive(AbstractContextManager["Archive"]):
     """An unpacked FMU. It is a context manager, which removes the directory at its end."""
@@ -89,13 +84,13 @@ class Reals(NamedTuple):
 class Instance(AbstractContextManager["Instance"]):
     """One instance of the FMU. It is a context manager, which frees the instance at its end."""
 
-    _logs: ClassVar[dict[int, list[Message]]] = {}
-    """Logs of the existing instances, by the environment that their messages contain."""
+    _logs: ClassVar[dict[int, list[tuple[int, str]]]] = {}
+    """Logs of the existing instances, `fmi2Status` and text of each message, by the environment that their messages contain."""
 
     def __init__(self, archive: Archive, start_values: Mapping[str, float]) -> None:
         self._instance = _instance(archive)
         self.variables = archive.variables
-        self.log: list[Message] = []
+        self.log: list[tuple[int, str]] = []
         self.time = 0.0
         self._freed = False
         self._callbacks = fmi2.fmi2CallbackFunctions()
@@ -140,7 +135,7 @@ class Instance(AbstractContextManager["Instance"]):
 
     @property
     def warnings(self) -> list[str]:
-        return [message.text for message in self.log if message.status == fmi2.fmi2Warning]
+        return [text for status, text in self.log if status == fmi2.fmi2Warning]
 
     @property
     def not_steady(self) -> str | None:
@@ -249,13 +244,13 @@ class Instance(AbstractContextManager["Instance"]):
         try:
             return function(*arguments, **keywords)
         except Exception as error:
-            errors = [message.text for message in self.log[before:] if message.status > fmi2.fmi2Warning]
+            errors = [text for status, text in self.log[before:] if status > fmi2.fmi2Warning]
             raise UnitError("; ".join(errors) or str(error)) from error
 
     def _record(self, environment: int, _instance: Any, status: int, _category: bytes, message: bytes) -> None:
         log = self._logs.get(environment)
         if log is not None:
-            log.append(Message(status, message.decode("utf-8", errors="replace")))
+            log.append((status, message.decode("utf-8", errors="replace")))
 
 
 class _Lock:
