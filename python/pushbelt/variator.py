@@ -118,7 +118,7 @@ class Variator(WorkingPoints, Drawn, AbstractContextManager["Variator"]):
 
     def close(self) -> None:
         """Frees the instances. Recorded outputs can still be read."""
-        super().close()
+        self._states.close()
         if self._unit is not None:
             self._unit.free()
         self._unit = None
