@@ -5,7 +5,3 @@
 
 `docs/belt.md` has the formulas and their sources.
 """
-
-from .geometry import Belt, Dimensions
-
-__all__ = ["Belt", "Dimensions"]
