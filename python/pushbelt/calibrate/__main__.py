@@ -134,8 +134,9 @@ def main(arguments: Sequence[str] | None = None) -> int | console.Done:
 
         begin = time.perf_counter()
         belt_described(fmu := options.fmu or default_fmu())
-        for score in report.hold_out(fmu, rig, given, options.workers, options.output):
-            print(f"  {report.sentence_of_score(score)}")
+        for one in report.hold_out(fmu, rig, given, options.workers, options.output):
+            lost = f", {one.lost} values without a steady state" if one.lost else ""
+            print(f"  {one.quantity}, {one.variator}: {report.short(one.relative)} standard deviations, bias {report.short(one.bias)}{lost}")
         print(f"{(options.output / 'report.html').resolve()} ({time.perf_counter() - begin:.0f} s)")
         return 0
     rig = once(rig)

@@ -253,8 +253,3 @@ def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]],
 def _lost(rows: pd.DataFrame) -> pd.DataFrame:
     """One row for each point without a steady state."""
     return rows[rows["reason"].notna()].drop_duplicates("line")
-
-
-def sentence_of_score(score: Score) -> str:
-    lost = f", {score.lost} values without a steady state" if score.lost else ""
-    return f"{score.quantity}, {score.variator}: {short(score.relative)} standard deviations, bias {short(score.bias)}{lost}"
