@@ -166,8 +166,6 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     names = Names(columns, reading.renamed)
     try:
         return _Reader(path, files.read(path, names, reading.sheet, reading.encoding), names, reading, misspelled).read()
-    except TableError:
-        raise
     except ValueError as error:  # A TextError, or pandas' ParserError.
         raise TableError(str(error), path) from error
 
