@@ -48,14 +48,12 @@ class Variable:
     @classmethod
     def of(cls, declared: Any) -> Variable:
         """A variable of a model description that fmpy has read."""
-        reads: dict[str, Callable[[Any], float]] = {"Boolean": lambda text: str(text).lower() in ("true", "1"), "Integer": int, "Enumeration": int}
-        read = reads.get(declared.type, float)
         low, high, nominal = (None if text is None else float(text) for text in (declared.min, declared.max, declared.nominal))
         items = declared.declaredType.items if declared.type == "Enumeration" else ()
         return cls(
             name=declared.name, type=declared.type, causality=declared.causality, variability=declared.variability,
             unit=declared.unit or "1", description=declared.description or "",
-            start=None if declared.start is None else read(declared.start),
+            start=None if declared.start is None else _read(declared, declared.start)[0],
             min=low, max=high, nominal=nominal, items={one.name: int(one.value) for one in items},
         )  # fmt: skip
 
