@@ -1,6 +1,7 @@
 """Forces that close the pulleys: the law in Python against the FMU's outputs, and what holds a point with cylinders."""
 
 import json
+import math
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Cells of a table file: CSV in any usual encoding and with any usual separator, a sheet of an .xlsx file, Parquet or MF4; gzip in any case."""
 
-from __future__ import annotations
-
 import codecs
 import csv
 import gzip
@@ -11,15 +9,13 @@ import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from .names import Names
 from .numerals import MISSING, Percent, TextError
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
 """Signs between columns, in the order of preference."""
@@ -83,8 +79,6 @@ def _decoded(data: bytes, encoding: str | None = None) -> tuple[str, str]:
 
 
 def _text(data: bytes, names: Names, known: str | None) -> Cells:
-    import pandas as pd
-
     text, encoding = _decoded(data, known)
     guessed = encoding in ("cp1252", "latin-1") and known is None
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
@@ -175,8 +169,6 @@ def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
 
 def _sheet(sheet: Any) -> Cells:
     """The cells of a sheet. Empty rows and remarks are left out, and rows of numbers that are hidden or struck out, which are named."""
-    import pandas as pd
-
     frame = pd.DataFrame([[*map(_cell, row)] for row in sheet.iter_rows()], dtype=object)
     texts = [[str(cell) for cell in row if str(cell) != ""] for row in frame.itertuples(index=False)]
     keep, unseen = [], {"hidden": [], "struck out": []}  # type: ignore[var-annotated]
@@ -201,8 +193,6 @@ def _cell(cell: Any) -> str | float:
 
 
 def _parquet(data: bytes) -> Cells:
-    import pandas as pd
-
     with _reader("a .parquet", "pyarrow", "parquet"):
         frame = pd.read_parquet(io.BytesIO(data), engine="pyarrow")
     if not isinstance(frame.index, pd.RangeIndex):
@@ -214,8 +204,6 @@ def _parquet(data: bytes) -> Cells:
 
 def _mf4(data: bytes, names: Names) -> Cells:
     """The channels with a known name, each at its own times."""
-    import pandas as pd
-
     columns, titles, unit_row = [], ["time"], ["s"]
     with _reader("an MDF", "asammdf", "mf4"):
         from asammdf import MDF
@@ -240,8 +228,6 @@ def _mf4(data: bytes, names: Names) -> Cells:
 
 def _cells(head: list[list[str]], body: pd.DataFrame, source: str) -> Cells:
     """Cells below rows of titles; the lines count the rows of values."""
-    import pandas as pd
-
     body = body.astype(object).where(body.notna(), "")
     body = body.map(lambda cell: cell if isinstance(cell, (int, float, np.number)) and not isinstance(cell, bool) else str(cell).strip())
     frame = pd.concat([pd.DataFrame(head, dtype=object), body.set_axis(range(body.shape[1]), axis=1)], ignore_index=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..fmu.closing import closing_force, sheave_position
-from . import plausible, series, units
+from . import plausible, units
 from . import sheet as sheets
 from .columns import COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, SURE, TIME
 from .names import DEVIATION, same
@@ -85,6 +85,8 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
     if SERIES not in sheet.taken and not sheet.faults:
+        from . import series
+
         sheet = series.averaged(sheet, TIME, STEP, tuple(CONDITIONS), NAME, reading.as_written)
     _add_accuracy(sheet, reading.accuracy)
     points = _Points(sheet, parameters)

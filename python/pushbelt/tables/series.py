@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 
 from .names import DEVIATION
 from .sheet import Fault, Sheet
@@ -26,8 +27,6 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     """A recording as a row for each plateau, with the standard errors; any other table as it is. `names` are the channels that are
     compared, `time` and `step` the columns of times and of the numbers of a program's steps, `name` that for the plateaus' names.
     Without times a recording can be taken `as_points`."""
-    import pandas as pd
-
     channels = {channel: sheet.values[channel] for channel in names if channel in sheet.values}
     texts = sheet.texts.get(step, np.empty(0))
     labels = np.cumsum(np.append(False, texts[1:] != texts[:-1])) if len(texts) else None  # Numbers that change where the step does
@@ -129,8 +128,6 @@ def _rows(
     sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time: str, name: str, channels: Iterable[str]
 ) -> tuple[Sheet, list[str]]:
     """A row for each span, with means and standard errors of the means; and each span in words, in the units of the file."""
-    import pandas as pd
-
     place = np.full(len(sheet), -1)
     for row, (start, end) in enumerate(spans):
         place[(times >= start) & (times < end)] = row

@@ -14,14 +14,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import PushbeltError
-from . import files, numerals, units
-from .files import Cells
+from . import numerals, units
 from .names import DEVIATION, Column, Names, key, same, splits, turned
 from .numerals import TextError
 from .units import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from .files import Cells
 
 Array = np.ndarray
 MOST = 0.5  # Share of a column's values with a fault from which the whole column has it; below, their rows are left out
@@ -162,6 +163,8 @@ class Sheet:
 def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = None, misspelled: bool = True) -> Sheet:
     """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one. Raises
     TableError if the file is not a table at all, OSError if it cannot be read."""
+    from . import files  # It needs pandas, which the help of a program does not.
+
     reading = reading or Reading()
     names = Names(columns, reading.renamed)
     try:
