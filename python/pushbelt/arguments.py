@@ -116,4 +116,3 @@ def lists(name: str, value: Any) -> Mapping[str, Any]:
         if isinstance(values, str) or not isinstance(values, Iterable):
             raise ArgumentError(refused(f"{name}[{key!r}]", values, "a list of values"))
     return value
-

@@ -27,7 +27,6 @@ they scatter by 4 %."""
 STEADY = ("thrustRatio", "slip", "efficiency")
 RATIO_TOLERANCE, MOST_SOLVES = 1e-5, 10
 """Relative error of the speed ratio up to which the results are corrected by their derivatives, and largest number of steady states in the search."""
-
 LOST_SOLVES = 20
 """Cost of a point without a steady state, in steady states: the search for the torque that it carries takes 0.3 to 1 s."""
 

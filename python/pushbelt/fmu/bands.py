@@ -9,13 +9,11 @@ from .results import Bands
 from .steady import StartValues, SteadyStates
 from .unit import UnitError
 
-SAMPLES = 60
-"""Number of samples, with which a standard deviation is known to 9 %."""
+SAMPLES = 60  # Number of samples, with which a standard deviation is known to 9 %
 LINEAR_UTILISATION, LINEAR = 0.6, 0.5
 """Torque utilisation, and curvature as a share of an output's deviation, beyond which samples are drawn."""
 DEVIATION = ".sd"  # Suffix of a column of standard deviations
-NAMED = ("thrustRatio", "slip", "loss.total")
-"""Outputs whose curvature counts."""
+NAMED = ("thrustRatio", "slip", "loss.total")  # Outputs whose curvature counts
 
 
 def increased(variables: Mapping[str, Any], values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, float]:

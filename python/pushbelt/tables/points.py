@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from ..fmu.closing import closing_force, sheave_position
+from ..fmu.geometry import Array
 from . import plausible, units
 from . import sheet as sheets
 from .columns import COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, SURE, TIME
 from .names import DEVIATION, same
 from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from ..fmu.geometry import Array
 from .names import DEVIATION
 from .sheet import Fault, Sheet
-
-Array = np.ndarray
 
 MANY = 200  # Rows from which a table with times at most `RASTER` apart is a time series, also if it never rests
 RASTER = 2.0  # s

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import PushbeltError
+from ..fmu.geometry import Array
 from . import numerals, units
 from .names import DEVIATION, Column, Names, key, same, splits, turned
 from .numerals import TextError
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
     from .files import Cells
 
-Array = np.ndarray
 MOST = 0.5  # Share of a column's values with a fault from which the whole column has it; below, their rows are left out
 SHOWN = 12  # Largest number of faults that an error lists in full
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})

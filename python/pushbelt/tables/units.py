@@ -108,8 +108,7 @@ OF_FMU: Mapping[str, str] = {
     "N/m2": "stress", **{next(iter(groups)).split()[0]: dimension for dimension, groups in SPELLED.items()},
 }  # fmt: skip
 """Dimension by the unit of a variable of the FMU."""
-SIGNS = str.maketrans("−–—‐⁄÷º˚", "----//°°")
-"""Other signs for minus, slash and degree."""
+SIGNS = str.maketrans("−–—‐⁄÷º˚", "----//°°")  # Other signs for minus, slash and degree
 PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2"})
 """Units with the prefix milli or mega. With the prefix in the wrong case they have no certain meaning."""
 
