@@ -168,7 +168,7 @@ class _Points:
         return np.full(len(self.sheet), other) if found is None else np.where(np.isfinite(found), found, other)
 
     def _force(self, pulley: str, other: str) -> None:
-        """The clamping force from the oil pressure, F = p A + F₀ − k z + c ω², as in the FMU without its seals."""
+        """The clamping force from the oil pressure, F = p A + F₀ − k z + c ω², as in the FMU at rest."""
         pressure, force = f"{pulley}.pressure", f"{pulley}.clampingForce"
         known = self.parameters
         speed: float | Array = 0.0
