@@ -16,9 +16,7 @@ NAME = "PushbeltVariator.fmu"
 
 def default_fmu() -> Path:
     """The FMU that the environment variable `PUSHBELT_FMU` names, or the one in the wheel, or that in `target`.
-
-    Raises MissingFileError if it is missing.
-    """
+    Raises MissingFileError if it is missing."""
     return found("PUSHBELT_FMU", NAME, "cargo fmu build")
 
 
