@@ -52,7 +52,8 @@ def parser() -> argparse.ArgumentParser:
     add_set(found)
     case = found.add_argument_group("load case and strength of the ring")
     case.add_argument("--torque", type=float, default=100.0, metavar="NM", help="primary torque [default: 100]")
-    case.add_argument("--rpm", type=quantity("speed", "rpm", "2000"), default="2000", dest="speed", metavar="RPM", help="primary speed [default: 2000]")
+    speed = quantity("speed", "rpm", "2000 or 210rad/s")
+    case.add_argument("--rpm", type=speed, default="2000", dest="speed", metavar="RPM", help="primary speed [default: 2000]")
     case.add_argument("--safety", type=float, default=1.3, help="of the clamping force [default: 1.3]")
     add_material(case)
     return found

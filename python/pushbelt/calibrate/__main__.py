@@ -136,7 +136,8 @@ def main(arguments: Sequence[str] | None = None) -> int | console.Done:
         belt_described(fmu := options.fmu or default_fmu())
         for one in report.hold_out(fmu, rig, given, options.workers, options.output):
             lost = f", {one.lost} values without a steady state" if one.lost else ""
-            print(f"  {one.quantity}, {one.variator}: {report.short(one.relative)} standard deviations, bias {report.short(one.bias)}{lost}")
+            size, bias = report.short(one.relative), report.short(one.bias)
+            print(f"  {one.quantity}, {one.variator}: {size} standard deviations, bias {bias}{lost}")
         print(f"{(options.output / 'report.html').resolve()} ({time.perf_counter() - begin:.0f} s)")
         return 0
     rig = once(rig)

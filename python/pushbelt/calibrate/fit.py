@@ -239,9 +239,9 @@ def _robust(squares: Array) -> Array:
 
 
 class Search:
-    """Bounded least squares. The derivatives are central differences of steady states. Each trial updates them along its step (Broyden), which costs
-    no further steady states. A search ends within the range of its derivatives, which then also give the intervals; else it continues with
-    those at its end."""
+    """Bounded least squares. The derivatives are central differences of steady states. Each trial updates them along its step (Broyden),
+    which costs no further steady states. A search ends within the range of its derivatives, which then also give the intervals; else it
+    continues with those at its end."""
 
     def __init__(self, model: Model, parameters: Sequence[Parameter], place: Array, states: list[Found]) -> None:
         self.model, self.parameters = model, tuple(parameters)

@@ -62,8 +62,8 @@ def _friction_law(
 
 
 def over_column(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Cause:
-    """A fitted friction that is a linear function of a column about its mean. Raises ArgumentError if it is not fitted, and TableError without
-    such numbers."""
+    """A fitted friction that is a linear function of a column about its mean. Raises ArgumentError if it is not fitted, and TableError
+    without such numbers."""
     own, law = _friction_law(rig, title, numbers := columns(rig), parameters)
     column = numbers[own]
     if not np.nanstd(column) > 0.0:
@@ -82,8 +82,8 @@ def over_unknown_columns(rig: Rig, parameters: Sequence[Parameter]) -> list[Caus
 
 
 def by_group(rig: Rig, title: str, parameters: Sequence[Parameter]) -> Groups:
-    """A fitted friction of each group of points with the same cell in a column. Raises ArgumentError if the friction is not fitted, and TableError
-    if there are not two groups, or one has fewer than two points."""
+    """A fitted friction of each group of points with the same cell in a column. Raises ArgumentError if the friction is not fitted, and
+    TableError if there are not two groups, or one has fewer than two points."""
     some = columns(rig) | {name: column[rig.rows] for name, column in rig.sheet.others.items()}
     own, law = _friction_law(rig, title, some, parameters)
     cells = np.array(["" if cell != cell else f"{cell:.9g}" if isinstance(cell, float) else f"{cell}".strip() for cell in some[own].tolist()])

@@ -13,8 +13,8 @@ Pair = tuple[float, float]
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter, or a common parameter of both pulleys with one value. The fitted coordinate is ln(value/start) if the lower bound is above 0,
-    else value/start, or value/scale."""
+    """A parameter, or a common parameter of both pulleys with one value. The fitted coordinate is ln(value/start) if the lower bound is
+    above 0, else value/start, or value/scale."""
 
     name: str  # Name as specified
     variables: tuple[str, ...]  # Variables of the FMU that are set to the value; none for a size that the FMU does not have

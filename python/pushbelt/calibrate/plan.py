@@ -93,9 +93,9 @@ def candidates(within: Mapping[str, Pair], values: Mapping[str, float], table: S
 
 
 def plan(model: Model, known: int, parameters: Sequence[Parameter], values: Mapping[str, float], count: int) -> Plan:
-    """The best `count` of the places. The first `known` points of the model are those of the table, the others places, of which those count that use
-    at most `USED` of the belt's capacity. `values` are parameters of the variator. Raises ArgumentError if there are too few places, or if they
-    determine none of the parameters."""
+    """The best `count` of the places. The first `known` points of the model are those of the table, the others places, of which those count
+    that use at most `USED` of the belt's capacity. `values` are parameters of the variator. Raises ArgumentError if there are too few
+    places, or if they determine none of the parameters."""
     at = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
     states = model.states(assign(parameters, at))
     assumed = [QUANTITIES[q].assumed(value) if q in STEADY else np.nan for q, value in zip(model.values["quantity"], model.column(states), strict=True)]

@@ -33,9 +33,9 @@ def bands(
     states: SteadyStates, outputs: Mapping[str, float], near: bytes, start_values: Callable[[Mapping[str, float]], StartValues],
     deviations: Mapping[str, float],
 ) -> Bands:  # fmt: skip
-    """Standard deviations of the outputs of a stored steady state by `deviations`, from which `start_values` adds some. An output that depends on
-    each x, in standard deviations, as a x + b x² has the deviation √Σ(a² + 2 b²). Where b contributes much, or near the capacity, that of
-    samples of independent normal distributions replaces it."""
+    """Standard deviations of the outputs of a stored steady state by `deviations`, from which `start_values` adds some. An output that
+    depends on each x, in standard deviations, as a x + b x² has the deviation √Σ(a² + 2 b²). Where b contributes much, or near the
+    capacity, that of samples of independent normal distributions replaces it."""
     middle, lost = np.array(list(outputs.values())), np.nan
 
     def at(changes: Mapping[str, float]) -> np.ndarray:

@@ -70,8 +70,8 @@ class SteadyStates(AbstractContextManager["SteadyStates"]):
         return self._unit
 
     def at(self, values: Mapping[str, float], near: bytes | bool = False) -> Instance:
-        """The instance in the steady state of the parameters and these start values, first sought near a stored state of `started`, or near the
-        state before if `near` is True. Raises UnitError with the reason if there is none."""
+        """The instance in the steady state of the parameters and these start values, first sought near a stored state of `started`, or
+        near the state before if `near` is True. Raises UnitError with the reason if there is none."""
         unit = self.started(values, near)
         if unit.not_steady:
             raise UnitError(unit.not_steady)

@@ -52,8 +52,8 @@ def belt_view(
     states: Mapping[float, BeltState], parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None,
     run: Trace | None = None,
 ) -> Markup:  # fmt: skip
-    """The animation of states by their times as an HTML fragment. Pulleys and belt turn by the speeds of the run, or else by those of the states.
-    `label` says what is shown; the colour is added to it. With `group` it shares the cursor of charts over time."""
+    """The animation of states by their times as an HTML fragment. Pulleys and belt turn by the speeds of the run, or else by those of the
+    states. `label` says what is shown; the colour is added to it. With `group` it shares the cursor of charts over time."""
     time, shown = np.array(sorted(states)), [states[moment] for moment in sorted(states)]
     run = run or Trace(time, {name: np.array([state[name] for state in shown]) for name in SPEEDS})
     primary, secondary, way = (np.interp(time, run.time, cumulative_trapezoid(run[name], run.time, initial=0.0)) for name in SPEEDS)

@@ -60,7 +60,8 @@ def fragment(template: str, **values: Any) -> Markup:
 
 
 def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Path | None = None, **filters: Any) -> Path:
-    """Writes a page from a template, and returns its path; a missing folder is made. `template` is its path inside this package, or inside `folder`, and begins with the program's name."""
+    """Writes a page from a template, and returns its path; a missing folder is made. `template` is its path inside this package, or inside
+    `folder`, and begins with the program's name."""
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
     origin = provenance.current(re.split("[/.]", template)[0])
     text = _environment(folder, **filters).get_template(template).render(context, machine=machine, origin=origin)

@@ -34,9 +34,8 @@ def split(text: str) -> tuple[str, str | None]:
 
 
 def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int | None = 9, remark: str | None = None) -> None:
-    """Writes a table as CSV; a missing folder is made. `digits` is the number of significant digits of floating-point numbers; None writes all. A
-    `remark` is the first line, after `#`. Raises ArgumentError if a column with floating-point numbers has no unit in its
-    title."""
+    """Writes a table as CSV; a missing folder is made. `digits` is the number of significant digits of floating-point numbers; None writes
+    all. A `remark` is the first line, after `#`. Raises ArgumentError if a column with floating-point numbers has no unit in its title."""
     header = list(header)
     without = {text for text in header if split(text)[1] is None}
 
