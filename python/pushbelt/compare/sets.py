@@ -23,7 +23,7 @@ class Difference(NamedTuple):
 
 
 def differences(a: Path, b: Path) -> list[Difference]:
-    """The parameters that both sets have. Raises InputFileError for a file that is not a parameter set, ArgumentError without a common one."""
+    """The parameters that both sets have. Raises InputFileError for a file that is no parameter set, ArgumentError without a common one."""
     one, other = _read(a), _read(b)
     rows = []
     for name in (name for name in one if name in other):
