@@ -1,9 +1,6 @@
 """Tables. Here: CSV files that every program writes by `write`, with name and unit of each column in the one spelling
-`primary.speed [rad/s]`. In the modules: tables of rigs and of other tools.
-
-files (bytes → cells)   ┐
-names, numerals, units  ┴→ sheet (cells → columns in SI) → series (plateaus) → points (what is measured where) → plausible
-"""
+`primary.speed [rad/s]`. In the modules: tables of rigs and of other tools: files (bytes → cells), names, numerals, units → sheet (cells →
+columns in SI) → series (plateaus) → points (what is measured where) → plausible."""
 
 import csv
 import re
