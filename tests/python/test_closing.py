@@ -13,11 +13,11 @@ import pushbelt
 from pushbelt import ArgumentError, Variator, cli, load_linear, parameter_set
 from pushbelt.fmu.closing import closing_at, closing_force, sheave_position
 from pushbelt.fmu.unit import Archive
-from pushbelt.study.tasks import Solver
+from pushbelt.study.tasks import Solver, variator
 from pushbelt.sweep.design import Varied, crossed
 from pushbelt.sweep.point import solve
 from pushbelt.sweep.results import table
-from pushbelt.sweep.study import Study, variator, warnings_of
+from pushbelt.sweep.study import Study, warnings_of
 
 CYLINDERS = str(ROOT / "resources" / "bench168-cylinders.json")
 PULLEYS = ("primary", "secondary")

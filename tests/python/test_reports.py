@@ -16,7 +16,7 @@ from test_charts import BENCH, EVERYTHING
 
 from pushbelt.fmu import data
 from pushbelt.fmu.results import BeltState, Profile
-from pushbelt.report import belt_view, charts, style
+from pushbelt.report import belt_view, style
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade
 from pushbelt.report.page import write_html
 

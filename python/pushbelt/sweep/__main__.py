@@ -15,9 +15,10 @@ from pushbelt import console
 from pushbelt.cli.options import add_reading, add_sensitivities, add_short, add_study, numbers, program, reading, sensitivities
 from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.unit import belt_described
+from pushbelt.study.tasks import variator
 
 from .design import AXIS_OF, Design, Varied, crossed, listed, varied
-from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Grid, Study, variator, warnings_of
+from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Grid, Study, warnings_of
 
 
 def parser() -> argparse.ArgumentParser:

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -11,7 +11,6 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu import bands, capacity, closing, gradients, steady
 from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.start_values import checked
-from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
 
 from . import point
@@ -133,10 +132,3 @@ def warnings_of(study: Study) -> Iterator[str]:
             raise ArgumentError(found[0])
         if found:
             yield found[0] if len(found) == 1 else f"{found[0]} (and {len(found) - 1} more of {len(values)} points)"
-
-
-def variator(
-    name: str, model: str = "ALE", changes: Mapping[str, Any] | None = None, varied: Collection[str] = ("friction.pulley",)
-) -> dict[str, Any]:
-    """Parameters of a variator for a study, with changes and without the varied ones."""
-    return {key: value for key, value in tasks.variator(name, model, changes).items() if key not in varied or key in (changes or {})}
