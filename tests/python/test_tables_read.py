@@ -257,7 +257,7 @@ def test_a_ratio_is_that_of_the_speeds_or_inverse_if_its_title_or_the_user_says_
 )  # fmt: skip
 def test_the_whole_file_settles_the_decimal_sign(cells: list[str], separator: str, decimal: str | None) -> None:
     if decimal is None:
-        with pytest.raises(numerals.TextError, match=f"{cells[0]}.*--decimal"):
+        with pytest.raises(ArgumentError, match=f"{cells[0]}.*--decimal"):
             numerals.settle(cells, separator)
     else:
         assert numerals.settle(cells, separator) == decimal

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_ring, add_short, add_variator, program
-from pushbelt.errors import ArgumentError, require
+from pushbelt.errors import ArgumentError, MissingPackageError, require
 
-from .cycle import CYCLES, CycleMissingError, wltc_class_3b
+from .cycle import CYCLES, wltc_class_3b
 from .vehicle import RANGES, demo_car
 
 
@@ -19,7 +19,7 @@ def default_cycle() -> str:
     """`wltc`, or `nedc` with a message if the table of the WLTC is not installed."""
     try:
         wltc_class_3b()
-    except CycleMissingError as error:
+    except MissingPackageError as error:
         print(f"  the NEDC is driven, not the WLTC: {error}", file=sys.stderr)
         return "nedc"
     return "wltc"

@@ -102,7 +102,7 @@ class Solver:
 
 
 def variator(name: str, model: str = "ALE", changes: Mapping[str, Any] | None = None, varied: Collection[str] = ()) -> dict[str, Any]:
-    """Parameters of a published variator (`bench168` or `belt155`) or of a file ….json but the varied ones, with a ring model and changes."""
+    """Parameters of a published variator (`bench168` or `belt155`) or a file ….json but the varied ones, with a ring model and changes."""
     found = {**parameter_set(name), "ring.model": RingModel[model]}
     return {key: value for key, value in found.items() if key not in varied} | dict(changes or {})
 

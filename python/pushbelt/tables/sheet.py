@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..errors import PushbeltError
+from ..errors import ArgumentError, PushbeltError
 from ..fmu.geometry import Array
 from . import numerals, units
 from .names import DEVIATION, Column, Names, key, same, splits, turned
-from .numerals import TextError
 from .units import Unit
 
 if TYPE_CHECKING:
@@ -169,17 +168,17 @@ def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = No
     names = Names(columns, reading.renamed)
     try:
         return _Reader(path, files.read(path, names, reading.sheet, reading.encoding), names, reading, misspelled).read()
-    except ValueError as error:  # A TextError, or pandas' ParserError.
+    except ValueError as error:  # An ArgumentError, or pandas' ParserError.
         raise TableError(str(error), path) from error
 
 
 def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]]:
-    """Titles, units, row of the titles, first row of values, and remarks. Raises TextError if the titles are below each other."""
+    """Titles, units, row of the titles, first row of values, and remarks. Raises ArgumentError if the titles are below each other."""
     head = cells.head()
     at = max(range(len(head)), key=lambda row: (names.count(head[row]), -row))
     titles = head[at]
     if any(names.count([row[k] for row in head]) > max(names.count(titles), 2.0) for k in range(min(2, len(titles)))):
-        raise TextError("the table is transposed: its titles are below each other. Exchange rows and columns")
+        raise ArgumentError("the table is transposed: its titles are below each other. Exchange rows and columns")
     for row in range(len(head) - 1):
         # Titles over two rows: primary, secondary above speed, torque.
         above = [next((cell for cell in head[row][k::-1] if cell), "") for k in range(len(head[row]))]
@@ -395,7 +394,7 @@ class _Reader:
         )
         try:
             return numerals.settle(first, certainly=True) or numerals.settle(every, self.cells.separator)
-        except TextError as error:
+        except ArgumentError as error:
             self.sheet.faults.append(Fault(str(error)))
             return None
 
