@@ -1,5 +1,4 @@
-"""Checks of the arguments of public functions. A rule returns a value as the function takes it, or raises ArgumentError with one line:
-which argument, which value, which range."""
+"""Checks of the arguments of public functions. A rule returns a value as the function takes it, or raises ArgumentError with one line."""
 
 import functools
 import inspect

@@ -1,5 +1,4 @@
-"""A fit: bounded least squares by few steady states and without outliers, confidence intervals, and detection of parameters that the table does
-not determine."""
+"""A fit: bounded least squares by few steady states, without outliers; confidence intervals; parameters that a table does not determine."""
 
 from __future__ import annotations
 
@@ -283,8 +282,7 @@ class Search:
         return bool(np.abs(self._bounds[:, k] - self.place[k]).min() < AT_BOUND)
 
     def run(self, free: Sequence[int], waiting: Iterable[int] = (), robust: bool = False) -> None:
-        """Minimises the sum of squares over the free parameters, or a robust loss. The derivatives at the end are also those of the waiting parameters. A
-        robust search ends without them."""
+        """Minimises the sum of squares over the free parameters, with derivatives at its end by the waiting ones, too; or a robust loss."""
         every = [*free, *waiting]
         for _ in range(MOST_SEARCHES):
             found = self._search(list(free), robust)

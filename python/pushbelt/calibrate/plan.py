@@ -33,8 +33,7 @@ LEVELS: Mapping[str, int] = {RATIO: 5, SPEED: 3, TORQUE: 7, FORCE: 2}  # Numbers
 USED = 0.9  # Largest share of the belt's capacity at a place
 LEAST = 0.05  # Least share of the capacity, if there are no limits of the torque
 WIDTH = 0.05
-"""Half-width of the differences, in a parameter's coordinate. Where slopes change within it, as beside a jump of the steady state, the smaller ones
-count."""
+"""Half-width of the differences, in a parameter's coordinate. Where slopes change within it, as at a jump, the smaller counts."""
 SAME = 0.05  # Relative difference of all conditions up to which two places are the same
 
 

@@ -47,8 +47,7 @@ def reach(rows: pd.DataFrame) -> float:
 
 
 def chart(quantity: str, sets: Sets) -> Chart:
-    """The figures of a quantity. The first set leads; it must have values. The axes fit their bulk; its outliers are at the
-    border, with their values."""
+    """The figures of a quantity. The first set must have values: the axes fit their bulk, and its outliers are at the border."""
     sets = {name: rows.assign(at=rows["ratio"].fillna(rows["speed_ratio"])) for name, rows in sets.items()}
     leading = next(iter(sets.values()))
     most = reach(leading)
@@ -112,8 +111,7 @@ class Results:
         notes: Sequence[str] = (), causes: Sequence[str] = (), trends: Sequence[Trend] = (), laws: Sequence[str] = (),
     ) -> None:  # fmt: skip
         """Name of the table's file, version of the FMU, parameter set of the start values, its values with the additional settings, wall-clock
-        time, what was computed, ignored or left out of the table, possible causes of a misfit, trends of the residuals, and what a fitted law of
-        the friction says."""
+        time, notes on the table, causes of a misfit, trends of the residuals, and what a fitted law of the friction says."""
         self.table, self.version, self.variator, self.base, self.seconds, self.notes = table, version, variator, base, seconds, notes
         self.causes, self.tests, self.laws = causes, trends, laws
         self.trends = [one for one in trends if one.significant]
@@ -226,8 +224,7 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
 
 
 def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]], workers: int, folder: Path) -> list[Score]:
-    """Scores of sets by name on a table, by quantity and set: the first one, and those for comparison. Writes report.html, holdout.csv,
-    holdout.json and residuals.csv."""
+    """Scores of sets by name on a table, by quantity and set. Writes report.html, holdout.csv, holdout.json and residuals.csv."""
     with model.opened(fmu, {}, rig.points, workers, len(parameters) * len(rig.points)) as opened:
         sets = {name: opened.rows(opened.states(values)) for name, values in parameters.items()}
     first = next(iter(sets.values()))

@@ -25,8 +25,7 @@ MOMENTS = 300  # Largest number of times of a run in the animation
 
 
 def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters: Mapping[str, float]) -> Path:
-    """Writes report and differences; returns the path of the report. It shows both belts of a pair if both files have the fields along the
-    belt; `parameters` are those of the variator."""
+    """Writes report and differences; returns the path of the report. It shows both belts, of these parameters, if both have fields."""
     measures = (f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest"))
     found = ((pair, d) for pair in pairs for d in pair.differences)
     rows = (

@@ -43,8 +43,7 @@ class Merit(NamedTuple):
 
 
 def pump_power(run: Run) -> Array:
-    """Power that the pump takes from the engine over time, W: (max(p_P, p_S) + margin) V n/η. It delivers more than the circuits take; the
-    rest flows back through a valve."""
+    """Power that the pump takes from the engine over time, W: (max(p_P, p_S) + margin) V n/η. What the circuits do not take flows back."""
     pressure = np.max([run[f"{pulley}.pressure"] for pulley in PULLEYS], axis=0) + PUMP_MARGIN
     revolutions = np.maximum(run["engine.speed"], 0.0) / (2.0 * math.pi)
     return pressure * DISPLACEMENT * revolutions / PUMP_EFFICIENCY
@@ -157,8 +156,7 @@ def balance_gap(run: Run, inertia: float) -> float:
 
 
 def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
-    """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units and with the names of the FMU variables.
-    Energies are those since the start of the run."""
+    """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units. Energies are those since its start."""
     every = round(CSV_STEP / STEP)
     energies = {name: np.cumsum(run[name]) - run[name] for name in OF_STEPS}
     columns = {name: column for name, column in {**run.columns, **energies}.items() if not np.isnan(column).all()}

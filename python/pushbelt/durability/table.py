@@ -1,5 +1,4 @@
-"""The table of outputs: in SI units or with units in its header, with the names of the FMU's outputs; or a load collective, whose rows have hours.
-Errors are reported by line and column."""
+"""The table of outputs by the FMU's names, or a load collective, whose rows have hours. Errors are reported by line and column."""
 
 import hashlib
 import re

@@ -99,8 +99,7 @@ def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
 
 
 def pitch_radius(parameters: Mapping[str, float], ratio: float) -> float:
-    """Pitch radius on the primary pulley, m, at a ratio of the pitch radii r_S/r_P. The centre line of the ring has
-    these radii plus the pitch offset."""
+    """Pitch radius on the primary pulley, m, at a ratio of pitch radii r_S/r_P: that of the ring's centre line less the pitch offset."""
     distance, length, offset = (needed(parameters, name) for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset"))
     outer = ratio
     for _ in range(100):

@@ -163,11 +163,10 @@ def read_ssv(path: Path, variables: Mapping[str, Any]) -> dict[str, float]:
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
-    """Writes a copy of an FMU with other start values, which must be checked before. The file is written completely or
-    not at all. The values are in the model description for importers, and in a list that the library reads, for
-    importers that do not set start values. Start values of an earlier copy remain unless they are specified again. The
-    GUID is the copy's own: the library does not run it without its list, and importers that remember FMUs by their GUID
-    tell copies apart."""
+    """Writes a copy of an FMU with other start values, which must be checked before, completely or not at all. The values are in the model
+    description for importers, and in a list that the library reads, for importers that do not set start values. Those of an earlier copy
+    remain unless they are specified again. The GUID is the copy's own: the library does not run it without its list, and importers that
+    remember FMUs by their GUID tell copies apart."""
     with zipfile.ZipFile(fmu) as source:
         listed = _listed(source) | {name: _written(value) for name, value in values.items()}
     lines = [f"{name} = {value}" for name, value in listed.items()]

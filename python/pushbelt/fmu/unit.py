@@ -50,8 +50,7 @@ class Archive(AbstractContextManager["Archive"]):
 
     @classmethod
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
-        """Unpacks an FMU to a directory, or to a temporary one. Raises InputFileError if it is not a usable FMU,
-        OSError if it cannot be read."""
+        """Unpacks an FMU to a directory, or a temporary one. Raises InputFileError for an unusable FMU, OSError if it cannot be read."""
         description = described(fmu)
         with named(fmu):
             return cls(Path(fmpy.extract(str(fmu), directory)), description)
@@ -287,9 +286,8 @@ def _instance(archive: Archive) -> fmi2.FMU2Slave:
 
 
 def binaries_of(directory: Path) -> Path | None:
-    """The folder of an unpacked FMU with the binaries for this processor and system; None if there is none. FMI 2.0.4
-    and later name it as FMI 3.0 does, such as `aarch64-linux`. The older names mean x86-64; only on macOS they had
-    libraries of both processors."""
+    """The folder of an unpacked FMU with the binaries for this processor and system; None if there is none. FMI 2.0.4 and later name it as
+    FMI 3.0 does, such as `aarch64-linux`. The older names mean x86-64; only on macOS they had libraries of both processors."""
     names = [fmpy.platform_tuple]
     if fmpy.platform_tuple not in ("aarch64-linux", "aarch64-windows"):
         names.append(fmpy.platform)

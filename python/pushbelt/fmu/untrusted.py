@@ -70,8 +70,7 @@ def described(path: Path) -> Any:
 
 @contextmanager
 def named(path: Path, what: str = "a usable FMU") -> Iterator[None]:
-    """Adds the file name, and what it should be, to every error, in a line. All exceptions are caught, because fmpy, lxml and zipfile have
-    no common base class."""
+    """Adds the file name, and what it should be, to every error, in a line: those of fmpy, lxml and zipfile have no common base class."""
     try:
         yield
     except OSError:

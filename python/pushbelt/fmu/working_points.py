@@ -175,10 +175,9 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
 
 
 def shift_rates(states: SteadyStates, at: At, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
-    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess. The primary
-    speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
-    window, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the
-    time."""
+    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess. The primary speed is held, and the
+    secondary shaft has the load torque of the steady state. The rate is the mean slope over the window. It ends earlier if ln i has
+    changed by `SHIFT_REACH`: then it is that of the second half of the time."""
     load = at(driven_at(states, line, utilisation)).get("secondary.externalTorque")
     unit = at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
     holding = unit.get("primary.axialForce")

@@ -90,8 +90,7 @@ def interpolated(models: Sequence[tuple[LinearModel, float]]) -> LinearModel:
 
 
 def _parts(model: LinearModel) -> tuple[Array, ...] | None:
-    """λ, ℓ with the coefficient 1 of the first state, r, ℓ B, C r, and A, B and C of the slow rest; None if no pole is much faster than
-    the others."""
+    """λ, ℓ with the coefficient 1 of the first state, r, ℓ B, C r, and A, B and C of the slow rest; None if no pole is much faster."""
     poles = model.poles
     if len(poles) < 2 or poles[-1].imag != 0.0 or abs(poles[-1]) < FASTER * abs(poles[-2]):
         return None

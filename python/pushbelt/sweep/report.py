@@ -42,8 +42,7 @@ def _numbers(table: pa.Table) -> pandas.DataFrame:
 
 
 def data_set(grid: Points, table: pa.Table) -> xarray.Dataset:
-    """The numbers of the results over the axes of a grid, or over the points of a design, NaN where there is no steady state, and
-    the mask `steady`."""
+    """The numbers of the results over the axes of a grid or the points of a design, NaN without a steady state, and the mask `steady`."""
     numbers = _numbers(table)
     if isinstance(grid, Grid):
         axes = {name: getattr(grid, name) for name in AXES}

@@ -42,8 +42,7 @@ class Cells(NamedTuple):
 
 
 def read(path: Path, names: Names, sheet: str | None = None, encoding: str | None = None) -> Cells:
-    """Cells of a file. The separator or the sheet is the one with most known names. Raises ArgumentError if the file is not a
-    table, OSError if it cannot be read."""
+    """Cells of a file, by the separator or in the sheet with most known names. Raises ArgumentError for no table, OSError if unreadable."""
     size = path.stat().st_size
     if size > LARGEST:
         raise ArgumentError(f"the file has {size / 1e6:.0f} MB, above the limit of {LARGEST / 1e6:.0f} MB")
