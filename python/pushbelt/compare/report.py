@@ -28,9 +28,7 @@ def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters
     """Writes report and differences; returns the path of the report. It shows both belts, of these parameters, if both have fields."""
     measures = (f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest"))
     found = ((pair, d) for pair in pairs for d in pair.differences)
-    rows = (
-        [pair.name, d.name, pair.units.get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share] for pair, d in found
-    )
+    rows = ([pair.name, d.name, pair.units.get(d.name, ""), *d[1:], d.share] for pair, d in found)
     tables.write(folder / "differences.csv", ["run", "column", "unit", *measures, "time [s]", "largestShare [1]"], rows)
     keys = [f"run-{k}" for k in range(1, len(pairs) + 1)]
     shown = [(key, pair, overlay(pair, wanted, key), _belts(pair, key, parameters)) for key, pair in zip(keys, pairs, strict=True)]

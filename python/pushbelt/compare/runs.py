@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +17,7 @@ TIME = "time"
 SAME = 1e-9  # Tolerance relative to the range, within which runs are equal. Files have nine digits.
 
 
-@dataclass(frozen=True)
-class Difference:
+class Difference(NamedTuple):
     name: str
     span: float  # Largest minus least value of both runs
     root_mean_square: float

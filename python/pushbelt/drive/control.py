@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from pushbelt.fmu.data import clamping_force
 
@@ -16,8 +16,7 @@ from .piecewise import clip
 from .thrust_map import ThrustMap
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(NamedTuple):
     primary_speed: float  # rad/s
     ratio: float  # Geometric ratio r_S/r_P
     slip: float  # 1
@@ -32,8 +31,7 @@ class Measured:
         return cls(speed, ratio, slip, bool(signals["macroSlip"]), radius, torque)
 
 
-@dataclass(frozen=True)
-class Friction:
+class Friction(NamedTuple):
     """Parameters of the belt in the clamping law."""
 
     coefficient: float  # μ

@@ -9,9 +9,8 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,8 +49,7 @@ SHOWN = {"thrustRatio": "thrustRatio", "slip": "slip", "efficiency": "efficiency
 """Quantities with standard deviations and derivatives, and the outputs that these are of."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """Secondary clamping force (N), primary speed (rad/s) and geometric ratio."""
 
     force: float
@@ -59,8 +57,7 @@ class Line:
     ratio: float
 
 
-@dataclass(frozen=True)
-class Along:
+class Along(NamedTuple):
     utilisations: Sequence[float]
     """Belt torque on the primary pulley / (2 μ r_P F_S/cosβ), ascending; positive where the primary pulley drives."""
     shares: Sequence[float]

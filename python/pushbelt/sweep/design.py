@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,8 +35,7 @@ OF_RIGS = ("ratio.geometric", "primary.speed", "primary.torque", "primary.clampi
 MOST_POINTS = 1_000_000  # Largest number of points of a design
 
 
-@dataclass(frozen=True)
-class Varied:
+class Varied(NamedTuple):
     """A varied column: its values, or its range for a Latin hypercube."""
 
     name: str
