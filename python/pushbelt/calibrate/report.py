@@ -32,7 +32,6 @@ LOOKS: tuple[dict[str, Any], ...] = ({"colour": BLUE, "size": 7}, {"colour": MUT
 """Looks of the leading set and of the other one."""
 Range = tuple[float, float]
 Sets = Mapping[str, pd.DataFrame]
-Text = Callable[[Any], str]
 _brief = partial(plain, digits=3)
 WORST = 10  # Number of values with the largest residuals in the list
 short = partial(plain, digits=4, none="–")
@@ -83,7 +82,7 @@ def over_columns(rows: pd.DataFrame, trends: Sequence[Trend]) -> Chart:
     return Chart(panels, "Residuals over columns", columns=3, common_legend=True)
 
 
-def _inside(sets: Sets, x: str, y: str, x_range: Range, y_range: Range, text: Text) -> tuple[list[Series], str]:
+def _inside(sets: Sets, x: str, y: str, x_range: Range, y_range: Range, text: Callable[[Any], str]) -> tuple[list[Series], str]:
     """The points within the axes; beyond them those of the leading set at the border, with their values, and a count of the others."""
     series: list[Series] = []
     notes = []

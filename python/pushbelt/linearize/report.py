@@ -18,8 +18,6 @@ LOWEST = 0.01  # Lowest frequency of the Bode plots, Hz
 UNITS = {"ratio": "", "torque": "N·m", "speed": "rad/s", "force": "N"}
 SHOWN_POLES = 4
 MOST_DASHED = 4  # Largest number of values of the axis with colours, if another one has dashes
-
-
 Drawn = tuple[dict[str, Any], LinearModel]  # A point in the figures: name, colour and dash of its lines, and its model
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ..fmu.geometry import Array
+from ..fmu.results import intervals
 from .names import DEVIATION
 from .sheet import Fault, Sheet
 
@@ -110,9 +111,8 @@ def _plateaus(even: Array, raw: Array, half: int) -> list[tuple[int, int]]:
     white = np.median(np.abs(np.diff(raw, axis=0)), axis=0) / 0.954 * np.sqrt(2.0 / half)
     limit = np.minimum(np.maximum(NOISE * usual, LEAST * level), np.maximum(LARGEST * level, NOISE * white))
     steady = (change <= limit).all(axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], steady, [False]]).astype(int)))
-    spans = zip(edges[::2], edges[1::2], strict=True)
-    return [(start + half, end + half) for start, end in spans if end - start >= half]
+    spans = intervals(np.arange(len(steady)), steady)
+    return [(int(first) + half, int(last) + 1 + half) for first, last in spans if last + 1 - first >= half]
 
 
 def _drifts(values: Array, span: tuple[int, int]) -> bool:
