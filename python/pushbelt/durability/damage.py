@@ -107,8 +107,8 @@ class Damage:
         return found
 
     def clamped(self, factor: float) -> Damage | None:
-        """Estimate for clamping forces times a factor, to which the tension part of the stress, but the centrifugal one, is proportional.
-        None if the table has no radii, or if the mean stress would reach the strength."""
+        """Estimate for clamping forces times a factor: the tension part of the stress, without the centrifugal one, is proportional to it,
+        bending does not change. None if the table has no radii, or if the mean stress would reach the strength."""
         table, values = self.table, self.parameters
         if table.field is not None or any(f"{pulley}.radius" not in table.columns for pulley in PULLEYS):
             return None
