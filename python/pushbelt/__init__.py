@@ -8,8 +8,6 @@
 - `cli`: the command `pushbelt`, also `python -m pushbelt`, and the options of the programs. Each program is a package, run by `python -m pushbelt.…`.
 """
 
-from __future__ import annotations
-
 import importlib
 import re
 from pathlib import Path

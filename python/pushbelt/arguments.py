@@ -1,7 +1,4 @@
-"""Checks of the arguments of public functions. A rule returns a value as the function takes it, or raises ArgumentError with one line:
-which argument, which value, which range."""
-
-from __future__ import annotations
+"""Checks of the arguments of public functions. A rule returns a value as the function takes it, or raises ArgumentError with one line."""
 
 import functools
 import inspect
@@ -118,4 +115,3 @@ def lists(name: str, value: Any) -> Mapping[str, Any]:
         if isinstance(values, str) or not isinstance(values, Iterable):
             raise ArgumentError(refused(f"{name}[{key!r}]", values, "a list of values"))
     return value
-

@@ -1,7 +1,5 @@
 """Programs as functions: `pushbelt.sweep(ratio=[0.5, 1.0], output="study")` runs `pushbelt sweep --ratio=0.5,1.0 --output=study`."""
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import sys

@@ -1,7 +1,5 @@
 """The base class of all errors of this package, errors that several modules raise, and warnings."""
 
-from __future__ import annotations
-
 import difflib
 import importlib
 import importlib.metadata

@@ -181,10 +181,6 @@ class WorkingPoints:
 
         return LinearGrid(axes, *over(lists, model, SteadyStateError, LinearPointError))
 
-    def close(self) -> None:
-        """Frees the instance."""
-        self._states.close()
-
     @checks(**POINT)
     def steady(
         self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float | None = SAFETY

@@ -1,7 +1,5 @@
 """What a report was made from: the command with its options, hashes of the FMU and the inputs, and the date."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import re
@@ -15,19 +13,12 @@ from typing import NamedTuple
 COMMAND = "PUSHBELT_COMMAND"  # Environment variable with the command that started the program, if another tool did
 
 
-class Input(NamedTuple):
-    """A file that was read."""
-
-    name: str
-    sha256: str
-
-
 class Provenance(NamedTuple):
     """Origin of a report."""
 
     program: str
     command: str
-    inputs: list[Input]
+    inputs: dict[str, str]  # Names of the files that were read, by their SHA-256
     date: str  # UTC, to the minute
 
 
@@ -51,9 +42,9 @@ def current(program: str) -> Provenance | None:
     return _current if _current is not None and _current.program == program else None
 
 
-def _inputs(words: Sequence[str]) -> list[Input]:
-    """Files among the words and runs in folders among them, once each. The folder of the results is none."""
-    found: dict[str, Input] = {}
+def _inputs(words: Sequence[str]) -> dict[str, str]:
+    """Names by hash of files among the words and runs in folders among them, once each. The folder of the results is none."""
+    found: dict[str, str] = {}
     output = re.search(r"(?:^|\0)--output[=\0]([^\0]+)", "\0".join(words))
     written = Path(output[1]).resolve() if output else None
     for word in filter(None, words):
@@ -62,6 +53,5 @@ def _inputs(words: Sequence[str]) -> list[Input]:
         if not word.startswith("-") and os.path.isdir(word) and Path(word).resolve() != written:
             files = [(f"{path.parent.name}/{path.name}", path) for path in sorted(Path(word).resolve().glob("*.csv"))]
         for name, path in files:
-            sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
-            found.setdefault(sha256, Input(name, sha256))
-    return list(found.values())
+            found.setdefault(hashlib.sha256(path.read_bytes()).hexdigest(), name)
+    return found

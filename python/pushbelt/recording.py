@@ -1,5 +1,4 @@
-"""A run over time: a table of inputs, linear between its rows, with jumps where two rows have the same time; and the outputs that are recorded, in
-bounded memory."""
+"""A run over time: a table of inputs, linear between its rows, with jumps where two have the same time; and outputs in bounded memory."""
 
 from __future__ import annotations
 

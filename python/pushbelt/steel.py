@@ -1,7 +1,5 @@
 """Fatigue strength of the ring's steel."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections import UserDict
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -60,7 +61,7 @@ class Inputs(UserDict[str, float]):
         self.data[name] = value
 
 
-class Variator(WorkingPoints, Drawn):
+class Variator(WorkingPoints, Drawn, AbstractContextManager["Variator"]):
     """A variator that is advanced in time by `step`. It is a context manager, which calls `close` at its end.
 
         with pushbelt.Variator("bench168", {"initial.ratio": 1.5}) as variator:
@@ -103,9 +104,6 @@ class Variator(WorkingPoints, Drawn):
         self._unit = calls.Instance(archive, self._start)
         self._reals = self._unit.reals(names)
 
-    def __enter__(self) -> Variator:
-        return self
-
     def __exit__(self, *_: object) -> None:
         self.close()
 
@@ -120,7 +118,7 @@ class Variator(WorkingPoints, Drawn):
 
     def close(self) -> None:
         """Frees the instances. Recorded outputs can still be read."""
-        super().close()
+        self._states.close()
         if self._unit is not None:
             self._unit.free()
         self._unit = None
@@ -215,8 +213,6 @@ class Variator(WorkingPoints, Drawn):
         self._warn()
         return model
 
-    # Back to an earlier state
-
     @checks(changes=optional(mapping))
     def reset(self, changes: Values | None = None) -> None:
         """Returns to the state before the start, with the start values of the beginning and these changes. Recorded outputs are removed."""
@@ -238,8 +234,6 @@ class Variator(WorkingPoints, Drawn):
         self._values = dict(snapshot.values)
         self._recording.cut(snapshot.time)
         self._read()
-
-    # Over time
 
     @checks(step=number("s", above=0.0), outputs=optional(names))
     def simulate(self, inputs: pandas.DataFrame, *, step: float = 1e-2, outputs: Iterable[str] | None = None) -> pandas.DataFrame:

@@ -1,7 +1,5 @@
 """Files, and copies of archives, that are written completely or not at all."""
 
-from __future__ import annotations
-
 import io
 import os
 import threading

@@ -117,7 +117,7 @@ def test_files_that_are_no_linear_models_are_named(tmp_path: Path) -> None:
     (tmp_path / "text.npz").write_text("text", encoding="utf-8")
     (tmp_path / "torn.npz").write_bytes((tmp_path / "models.zip").read_bytes()[:40])
     names = ("models.zip", "models.npy", "other.npz", "text.npz", "torn.npz")
-    for name, kind, why in (*((name, ValueError, " does not contain linear models") for name in names), (".", OSError, ""), ("none.npz", FileNotFoundError, "")):
+    for name, kind, why in (*((name, ValueError, " is not a file of linear models") for name in names), (".", OSError, ""), ("none.npz", FileNotFoundError, "")):
         with pytest.raises(pushbelt.PushbeltError, match=re.escape(str(tmp_path / name)) + why) as error:
             pushbelt.load_linear(str(tmp_path / name))
         assert isinstance(error.value, kind)

@@ -9,8 +9,8 @@ import pytest
 
 import pushbelt
 from pushbelt import cli
-from pushbelt.belt import Belt, Dimensions
 from pushbelt.belt.__main__ import OUT_OF_LIMITS, main
+from pushbelt.belt.geometry import Belt, Dimensions
 from pushbelt.fmu import data
 
 BENCH = Dimensions(width=0.024, layers=9, length=0.703, center_distance=0.168)

@@ -14,6 +14,7 @@ from rig_tables import written
 
 from pushbelt.calibrate import __main__, model, parameters, worker
 from pushbelt.calibrate.worker import Found, Job
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
 from pushbelt.tables.points import Measured, Point
@@ -51,7 +52,7 @@ def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any])
     ],
 )  # fmt: skip
 def test_parameters_that_cannot_be_fitted_are_named(wanted: dict, limits: dict, prior: dict, why: str, variables: Mapping[str, Any]) -> None:
-    with pytest.raises(parameters.ParameterError, match=why):
+    with pytest.raises(ArgumentError, match=why):
         parameters.choose(wanted, limits, variables, BASE, prior)
 
 

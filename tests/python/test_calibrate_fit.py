@@ -395,4 +395,4 @@ def test_an_outlier_is_at_the_border_with_its_value_and_the_axes_fit_the_others(
     assert chart.panels[0].x_range == sound[0].x_range
     assert all("10 values of start values are outside" in panel.note for panel in chart.panels[1:])
     assert [one.name for one in chart.panels[1].series] == ["within 2", "start values", "fitted"]
-    charts.html(chart)
+    chart.__html__()

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from rig_tables import written
 
-from pushbelt.calibrate import fit, misfit, report
+from pushbelt.calibrate import fit, friction, misfit, report
+from pushbelt.calibrate.causes import Cause, with_causes
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
 from pushbelt.calibrate.worker import Found, Job
@@ -50,8 +51,8 @@ def table(path: Path, seed: int, fault: Fault = dict, slope: float = 0.0, steps:
     return tables.read(path, Reading(as_written=True, accuracy={"F_P": "0.2%", "slip": "1e-4", "eta": "2e-3"}))
 
 
-def searched(rig: Rig, *laws: misfit.Cause) -> tuple[Model, fit.Fit, list[misfit.Named]]:
-    opened, parameters = misfit.with_causes(Model(rig.points, solve), laws), [*PARAMETERS, *(law.size for law in laws)]
+def searched(rig: Rig, *laws: Cause) -> tuple[Model, fit.Fit, list[misfit.Named]]:
+    opened, parameters = with_causes(Model(rig.points, solve), laws), [*PARAMETERS, *(law.size for law in laws)]
     found = fit.fit(opened, parameters)
     return opened, found, misfit.search(rig, opened, parameters, found)
 
@@ -86,7 +87,7 @@ def test_a_friction_over_the_temperature_is_named_and_fitted(tmp_path: Path) -> 
     _, found, named = searched(rig)
     assert named[0].estimate.parameter.name == "slope of friction.pulley over T_oil [°C]"
     assert '--friction-over "T_oil [°C]"' in misfit.sentence(rig, found, named[0])
-    fitted = misfit.friction_over(rig, "T_oil", PARAMETERS)
+    fitted = friction.over_column(rig, "T_oil", PARAMETERS)
     opened, found, named = searched(rig, fitted)
     mean = rig.sheet.others["T_oil [°C]"].mean()
     for estimate, true in zip(found.estimates, (0.1 + slope * (mean - 85.0), 4e-4, slope), strict=True):
@@ -97,15 +98,15 @@ def test_a_friction_over_the_temperature_is_named_and_fitted(tmp_path: Path) -> 
     entries = json.loads((tmp_path / "parameters.json").read_text(encoding="utf-8"))["parameters"]
     assert entries.keys() == {"friction.pulley", "belt.play"} and f"at the mean of T_oil [°C], {mean:.5g}; slope" in entries["friction.pulley"]["note"]
     with pytest.raises(TableError, match="no column T_air"):
-        misfit.friction_over(rig, "T_air", PARAMETERS)
+        friction.over_column(rig, "T_air", PARAMETERS)
 
 
 @pytest.mark.parametrize(("slope", "verdict"), [(-6e-4, "3 groups differ (chance"), (0.0, "3 groups differ by no more than scatter")])
 def test_frictions_of_groups_have_intervals_and_are_compared(slope: float, verdict: str, tmp_path: Path) -> None:
     rig = table(tmp_path / "table.csv", 4, lambda c: c | {"day": np.ones(24)}, slope, 25.0)
-    groups = misfit.friction_by(rig, "T_oil", PARAMETERS)
+    groups = friction.by_group(rig, "T_oil", PARAMETERS)
     opened, found, named = searched(rig, *groups.causes)
-    *lines, last = misfit.compared(groups, found)
+    *lines, last = friction.compared(groups, found)
     assert verdict in last and len(lines) == 3 and not named
     for line in lines:
         oil, points, low, high = map(float, re.findall(r"= (\d+) \((\d+) points\).*: (\S+) to (\S+)\)", line)[0])
@@ -115,7 +116,7 @@ def test_frictions_of_groups_have_intervals_and_are_compared(slope: float, verdi
     assert np.abs(slopes).max(axis=0).min() > 1.0 and opened.solves - before < 0.9 * 2 * slopes.size
     for title, why in (("T_air", "no column T_air"), ("day", "all cells are 1"), ("row order", r"24 groups are empty or have one point: 0 \(1\)")):
         with pytest.raises(TableError, match=why):
-            misfit.friction_by(rig, title, PARAMETERS)
+            friction.by_group(rig, title, PARAMETERS)
 
 
 @pytest.mark.parametrize("slip", [0.0, 1.0])

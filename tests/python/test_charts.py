@@ -109,7 +109,7 @@ def test_colours_diverge_from_zero_wherever_it_is() -> None:
 
 
 def test_a_chart_has_a_description_and_escapes_its_data() -> None:
-    text = str(charts.html(Chart([Panel("a < b", [Series("</script>", [0, 1], [2, 3])])], 'with "quotes"')))
+    text = str(Chart([Panel("a < b", [Series("</script>", [0, 1], [2, 3])])], 'with "quotes"').__html__())
     assert 'aria-label="with &#34;quotes&#34;"' in text
     assert "a &lt; b" in text
     content = re.search(r'<script type="application/json">(.*?)</script>', text, re.DOTALL).group(1)

@@ -46,7 +46,7 @@ FAST_OVERDRIVE = Cycle(np.array([0.0, 1.0, 21.0, 31.0]), np.array([0.0, 0.0, 31.
 
 
 def changed(**values: float) -> Measured:
-    return dataclasses.replace(MEASURED, **values)
+    return MEASURED._replace(**values)
 
 
 def test_interpolation_is_numpy_s_to_the_last_bit() -> None:

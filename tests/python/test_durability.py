@@ -14,10 +14,11 @@ import reports
 from pushbelt import Variator
 from pushbelt.durability import __main__
 from pushbelt.durability.damage import Damage, count_loop, damage
-from pushbelt.durability.table import AMPLITUDE, FIELD, MEAN, PULLEYS, DurabilityError, Table, read
+from pushbelt.durability.table import AMPLITUDE, FIELD, MEAN, PULLEYS, Table, read
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
 from pushbelt.steel import Material
+from pushbelt.tables.sheet import TableError
 
 BENCH = parameter_set("bench168")
 LENGTH = BENCH["geometry.beltLength"]
@@ -149,7 +150,7 @@ def test_rows_of_a_collective_have_hours(tmp_path: Path) -> None:
     assert found.life(found.total) == (pytest.approx(3.0 / found.total), None)
     assert computed(tmp_path / "b.csv", columns | {"hours [min]": np.array([60.0, 0.0, 120.0])}).total == pytest.approx(found.total)
     for hours, why in (([1.0, -1.0, 1.0], "line 3, column hours: -1 h is below 0"), ([0.0] * 3, "column hours: the sum is 0")):
-        with pytest.raises(DurabilityError, match=why):
+        with pytest.raises(TableError, match=why):
             computed(tmp_path / "c.csv", columns | {"hours": np.array(hours)})
 
 
@@ -225,13 +226,13 @@ def test_bad_cells_are_refused_by_line_and_column(tmp_path: Path, line: int, col
     path, material = write(tmp_path / "a.csv", run()), dataclasses.replace(MATERIAL, strength=5e9 if text == "6e9" else 2e9)
     # At rest the ring may have any amplitude.
     damage(read(changed(path, 2, AMPLITUDE.format("secondary"), "500")), material, BENCH)
-    with pytest.raises(DurabilityError, match=re.escape(f"line {line}, column {column}: ")):
+    with pytest.raises(TableError, match=re.escape(f"line {line}, column {column}: ")):
         damage(read(changed(path, line, column, text)), material, BENCH)
 
 
 def test_missing_columns_are_named_in_one_error_and_kilometres_need_a_distance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     columns, path = run(), tmp_path / "a.csv"
-    with pytest.raises(DurabilityError, match=r"ring\.speed .*m/s\), ring\.stressMean\.primary"):
+    with pytest.raises(TableError, match=r"ring\.speed .*m/s\), ring\.stressMean\.primary"):
         read(write(path, {name: one for name, one in columns.items() if name not in ("ring.speed", MEAN.format("primary"))}))
     del columns["distance"]
     write(path, columns)

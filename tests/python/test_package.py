@@ -14,7 +14,6 @@ MODULES = {".".join(("pushbelt", *path.relative_to(PACKAGE).with_suffix("").part
 
 LIBRARY = {f"pushbelt.{name}" for name in ("points", "recording", "variator")}
 """Modules of what `pushbelt` exports, besides the packages `fmu`, `linear` and `maps`."""
-NOT_RAISED_BY_CALLS = {"NotFoundError"}  # Errors of modules in `pushbelt.fmu` that serve the programs
 BUILTIN = {"ValueError", "KeyError", "FileNotFoundError", "ModuleNotFoundError", "AttributeError", "argparse.ArgumentTypeError"}
 """Errors of Python that the package raises. Other errors are classes of the package."""
 BROAD = {f"pushbelt.{name}" for name in ("fmu.unit", "fmu.untrusted", "study.tasks", "tables.files", "report.side_by_side", "study.cluster")}
@@ -81,10 +80,9 @@ def test_errors_have_a_known_class_and_a_message() -> None:
             continue
         assert isinstance(node.exc, ast.Call) and node.exc.args, f"{place}: it has a message"
         name = ast.unparse(node.exc.func)
-        # `table.error` makes an error of the class DurabilityError.
-        assert name in BUILTIN or name.rpartition(".")[2] in {*classes, "error"}, f"{place}: a class of the package or ValueError"
+        assert name in BUILTIN or name.rpartition(".")[2] in classes, f"{place}: a class of the package or ValueError"
         if (part_of(module) in ("fmu", "linear", "maps") or module in LIBRARY) and not module.endswith(programs) and "." not in name:
-            assert name in {*pushbelt.__all__, *NOT_RAISED_BY_CALLS}, f"{place}: the library raises what it exports"
+            assert name in pushbelt.__all__, f"{place}: the library raises what it exports"
         message = ast.unparse(node.exc.args[0]).removeprefix("f").strip("'\"")
         assert not message.endswith((".", "!", " ", "\\n")), f"{place}: it may be the middle of a sentence"
         assert len(message.split()) >= 4 or not isinstance(node.exc.args[0], ast.Constant), f"{place}: it has the name, the value or the range"

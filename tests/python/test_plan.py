@@ -12,6 +12,7 @@ from pushbelt.calibrate import __main__, plan
 from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import Parameter
 from pushbelt.calibrate.worker import Found, Job
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import parameter_set, torque_capacity
 from pushbelt.tables import points as tables
 from pushbelt.tables.points import Measured, Point
@@ -53,10 +54,10 @@ def test_a_line_is_measured_at_its_ends() -> None:
 
 
 def test_what_cannot_be_planned_is_an_error() -> None:
-    with pytest.raises(plan.PlanError, match=r"2 of 3 places .* below 90 % .* 3 planned"):
+    with pytest.raises(ArgumentError, match=r"2 of 3 places .* below 90 % .* 3 planned"):
         planned(places(10.0, 20.0, 0.95 * torque_capacity(BENCH, 1.0, 1e4)), 3)
     assert planned(places(20.0, 20.5), 2, start=1e-4).unseen == ["b"]
-    with pytest.raises(plan.PlanError, match="determines a or b"):
+    with pytest.raises(ArgumentError, match="determines a or b"):
         plan.plan(Model(places(10.0), lambda jobs: [Found({"slip": 0.01, "thrustRatio": 1.0}) for _ in jobs]), 0, TWO, BENCH, 1)
 
 

@@ -16,7 +16,7 @@ def test_the_command_can_be_pasted_into_a_shell(tmp_path: Path, monkeypatch: pyt
     path.write_bytes(b"x")
     found = provenance.begin("calibrate", [str(path), "--map", "i=ratio.geometric"])
     assert found.command == f"pushbelt calibrate '{path}' --map i=ratio.geometric"
-    assert [(one.name, one.sha256) for one in found.inputs] == [(path.name, hashlib.sha256(b"x").hexdigest())]
+    assert found.inputs == {hashlib.sha256(b"x").hexdigest(): path.name}
     assert provenance.current("calibrate") is found
     assert provenance.current("sweep") is None
     assert provenance.begin("paper", [], "pushbelt_paper").command == "python -m pushbelt_paper"
@@ -36,7 +36,7 @@ def test_runs_of_folders_are_inputs(tmp_path: Path, monkeypatch: pytest.MonkeyPa
             (tmp_path / folder / name).write_text(f"{folder}, {name}", encoding="utf-8")
     expected = [(f"one/{name}", hashlib.sha256(f"one, {name}".encode()).hexdigest()) for name in ("a.csv", "b.csv")]
     for words in (["one", "out", "--output=out"], ["one", "one/a.csv", "--output", "out", "--out"]):
-        assert [(one.name, one.sha256) for one in provenance.begin("compare", words).inputs] == expected
+        assert [(name, sha256) for sha256, name in provenance.begin("compare", words).inputs.items()] == expected
 
 
 def test_every_program_records_its_origin(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -117,7 +117,7 @@ def test_only_an_error_of_the_package_has_no_traceback(fmu: Path, tmp_path: Path
 def test_without_the_wltc_the_nedc_is_driven(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], fmu: Path, tmp_path: Path) -> None:
     plans = []
     monkeypatch.setattr("pushbelt.drive.runs.run_all", lambda fmu, plan, output: plans.append(plan) or SimpleNamespace(runs=[]))
-    monkeypatch.setattr("pushbelt.drive.report.write_html", lambda *_: None)
+    monkeypatch.setattr("pushbelt.drive.report.write_html", lambda _, path: path)
     monkeypatch.setitem(sys.modules, "wltp.cycles", None)
     words = ["--fmu", str(fmu), "--output", str(tmp_path), "--short"]
     assert drive.main(words) == 0

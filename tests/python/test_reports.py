@@ -16,7 +16,7 @@ from test_charts import BENCH, EVERYTHING
 
 from pushbelt.fmu import data
 from pushbelt.fmu.results import BeltState, Profile
-from pushbelt.report import belt_view, charts, style
+from pushbelt.report import belt_view, style
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade
 from pushbelt.report.page import write_html
 
@@ -56,7 +56,7 @@ def belt() -> str:
     push = 500.0 * (1.0 + np.sin(2.0 * np.pi * position / curve.length))
     profiles = [Profile(position, np.roll(push, k), none, none, none, none, none) for k in (0, 36)]
     states = {float(k): BeltState({"reference.theta": 0.2, **outputs}, profile) for k, profile in enumerate(profiles)}
-    return belt_view.belt_view(belt_view.motion(states, BENCH), BENCH, "A belt", group="one")
+    return belt_view.belt_view(states, BENCH, "A belt", group="one")
 
 
 @pytest.fixture(scope="module")
@@ -67,10 +67,10 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
         Panel("First", [Series("a", time, time, width=3.2, opacity=0.5), Series("b", time, 2.0 * time, dash="dashdot")], "time (s)", x_range=(0.0, 1.0)),
         Panel("Second", [Series("c", time, 10.0 ** (3.0 * time)), Series("d", time, -time)], x_range=(0.0, 1.0)),
     ]
-    linked = charts.html(Chart(panels, "Two panels", linked=True, group="one"))
-    every = charts.html(Chart([replace(EVERYTHING, equal=False, x_ticks=(), marks=[Mark(1.5, "1")]), *NARROW], "Every kind of figure"))
+    linked = Chart(panels, "Two panels", linked=True, group="one").__html__()
+    every = Chart([replace(EVERYTHING, equal=False, x_ticks=(), marks=[Mark(1.5, "1")]), *NARROW], "Every kind of figure").__html__()
     ends = [Panel(f"Shared {k}", [Series("kept", X, X), Series("other", X, -X)], x_ticks=((0.0, "left"), (1800.0, f"right {k}"))) for k in (1, 2)]
-    shared = charts.html(Chart(ends, "Shared keys", columns=2, common_legend=True))
+    shared = Chart(ends, "Shared keys", columns=2, common_legend=True).__html__()
     facts = '<div class="facts"><div><b>12</b><span>points</span></div></div>'
     folder = tmp_path_factory.mktemp("page")
     (folder / "page.html.j2").write_text("{% extends 'base.html.j2' %}{% block main %}{{ content | safe }}{% endblock %}", encoding="utf-8")

@@ -25,14 +25,14 @@ from pushbelt.fmu.unit import Archive, Instance
 from pushbelt.study import cluster
 from pushbelt.study.run import Effort, Store, chunks
 from pushbelt.study.run import solve as solve_all
-from pushbelt.study.tasks import Solver, Tasks
+from pushbelt.study.tasks import Solver, Tasks, variator
 from pushbelt.sweep import report
 from pushbelt.sweep.design import Design
 from pushbelt.sweep.point import Row, solve
 from pushbelt.sweep.results import METADATA, table, write_parquet
-from pushbelt.sweep.study import AXES, Grid, Study, variator
+from pushbelt.sweep.study import AXES, Grid, Study
 
-PARAMETERS = variator("bench168", changes=MESH)
+PARAMETERS = variator("bench168", changes=MESH, varied=["friction.pulley"])
 GRID = Grid(friction=(0.07, 0.09), speed=(200.0,), ratio=(0.8, 1.0, 1.25), utilisation=(0.3, 0.5, 0.7, 1.2))
 """24 points; a utilisation of 1.2 is beyond what the belt carries."""
 

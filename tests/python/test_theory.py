@@ -200,7 +200,7 @@ def test_spiral_running_misses_what_is_not_the_law_of_tilt(
 ) -> None:
     """Stiffness, clearance and the reported tilt relative to those of the state, a tilt turned from its moment by an angle, °, and a groove
     with a third harmonic, relative."""
-    profile, curve = loaded.profile, data.curve_at(PARAMETERS, loaded)
+    profile, curve = loaded.profile, data.curve_of(PARAMETERS, loaded["reference.theta"])
     place, angle = (curve.from_middle("primary", profile.position) / scale for scale in (0.5 * curve.arc_length("primary"), curve.radius("primary")))
     pressing, amount = np.where(np.abs(place) < 1.0, profile.normal_force, 0.0), loaded["primary.radius"] * loaded["primary.tilt"]
     ahead = angle - atan2(pressing @ np.sin(angle), pressing @ np.cos(angle))

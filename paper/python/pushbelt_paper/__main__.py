@@ -10,7 +10,6 @@ import time
 from pathlib import Path
 
 from pushbelt import console, provenance
-from pushbelt.fmu.load_cases import NotFoundError
 from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError
 
@@ -37,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
     plan = runs.SHORT if options.short else runs.FULL._replace(swinging=options.store)
     try:
         results = runs.run_all(options.fmu, options.rings, options.output, plan)
-    except (UnitError, NotFoundError, RingsError, InputFileError) as error:
+    except (UnitError, RingsError, InputFileError) as error:
         print(f"The simulation failed: {error}", file=sys.stderr)
         return 1
     if options.store:

@@ -1,11 +1,2 @@
-"""A parameter set for a belt of one's own, from its geometry.
-
-    dimensions → geometry (formulas) → parameter set (JSON)
-                                    ↘ checks (reach of the ratio, stress of the ring from the FMU)
-
-`docs/belt.md` has the formulas and their sources.
-"""
-
-from .geometry import Belt, BeltError, Dimensions
-
-__all__ = ["Belt", "BeltError", "Dimensions"]
+"""A parameter set for a belt of one's own: dimensions → geometry (formulas of `docs/belt.md`) → parameter set (JSON), with checks of the
+ratio's reach and, by the FMU, of the ring's stress."""

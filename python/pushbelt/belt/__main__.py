@@ -10,11 +10,11 @@ import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_set, add_variator, material, program, quantity
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import SAFETY_RANGE, parameter_set
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.unit import belt_described
@@ -22,7 +22,7 @@ from pushbelt.points import SteadyStateError
 from pushbelt.steel import Material, check_ranges
 from pushbelt.variator import Variator
 
-from .geometry import Belt, BeltError, Dimensions
+from .geometry import Belt, Dimensions
 
 OUT_OF_LIMITS = 3
 """Exit code if the set is written, but the ring's stress is beyond its limits, or a load case has no steady state."""
@@ -51,18 +51,11 @@ def parser() -> argparse.ArgumentParser:
     add_set(found)
     case = found.add_argument_group("load case and strength of the ring")
     case.add_argument("--torque", type=float, default=100.0, metavar="NM", help="primary torque [default: 100]")
-    case.add_argument("--rpm", type=float, default=2000.0, help="primary speed [default: 2000]")
+    speed = quantity("speed", "rpm", "2000 or 210rad/s")
+    case.add_argument("--rpm", type=speed, default="2000", dest="speed", metavar="RPM", help="primary speed [default: 2000]")
     case.add_argument("--safety", type=float, default=1.3, help="of the clamping force [default: 1.3]")
     add_material(case)
     return found
-
-
-class Load(NamedTuple):
-    """A load case: torque (N·m), primary speed (rad/s), safety factor of the clamping force."""
-
-    torque: float
-    speed: float
-    safety: float
 
 
 class Stress(NamedTuple):
@@ -79,12 +72,12 @@ class Stress(NamedTuple):
         return self.largest <= steel.strength / steel.safety and self.equivalent <= steel.allowed
 
 
-def stresses(fmu: Path, values: Mapping[str, float], reach: float, load: Load, steel: Material) -> list[Stress]:
-    """Stress of the ring near both ends of the ratio's range and at ratio 1."""
+def stresses(load: argparse.Namespace, values: Mapping[str, float], reach: float, steel: Material) -> list[Stress]:
+    """Stress of the ring near both ends of the ratio's range and at ratio 1, in the load case of the options."""
     ends = reach * (1.0 - MARGIN)
     ratios = (1.0 / ends, 1.0, ends) if ends > 1.0 + MARGIN else (1.0,)
     found = []
-    with Variator(dict(values), fmu=fmu) as variator:
+    with Variator(dict(values), fmu=load.fmu) as variator:
         for ratio in ratios:
             force = variator.least_force(ratio, load.torque, load.safety)
             try:
@@ -105,21 +98,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     belt = Belt(Dimensions(**{name: value for name, value in given.items() if value is not None}))
     if options.ratio is not None and not 1.0 / belt.reach <= options.ratio <= belt.reach:
         ends = f"the stops at {1e3 * belt.dimensions.min_radius:g} and {1e3 * belt.max_radius:g} mm"
-        raise BeltError(f"ratio {options.ratio:g} is out of reach: {ends} allow {1.0 / belt.reach:.3f} to {belt.reach:.3f}")
+        raise ArgumentError(f"ratio {options.ratio:g} is out of reach: {ends} allow {1.0 / belt.reach:.3f} to {belt.reach:.3f}")
     variables = {variable.name: variable for variable in belt_described(options.fmu).modelVariables}
     changes = checked(variables, dict(options.set), {"parameter"})
     document = belt.document(options.name, options.variator, parameter_set(options.variator), changes)
     for name, entry in document["parameters"].items():
         entry["unit"] = variables[name].unit or "1" if name in variables else "1"
     values = checked(variables, {name: entry["value"] for name, entry in document["parameters"].items()}, {"parameter"})
-    load = Load(options.torque, options.rpm * math.pi / 30.0, options.safety)
-    check_ranges(load, "the load case", LOADS)
+    check_ranges(options, "the load case", LOADS)
     steel = material(options)
-    found = stresses(options.fmu, values, belt.reach, load, steel)
+    found = stresses(options, values, belt.reach, steel)
     options.output.mkdir(parents=True, exist_ok=True)
     path = options.output / f"{options.name}.json"
     path.write_text(json.dumps(document, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-    print("\n".join([*_table(belt, document), "", *_checks(belt, load, steel, found), "", str(path.resolve())]))
+    print("\n".join([*_table(belt, document), "", *_checks(belt, options, steel, found), "", str(path.resolve())]))
     return 0 if all(stress.passes(steel) for stress in found) else OUT_OF_LIMITS
 
 
@@ -134,7 +126,7 @@ def _table(belt: Belt, document: dict[str, Any]) -> list[str]:
     return [*lines, f"* contains an engineering value; so do {others} parameters taken from the base set"]
 
 
-def _checks(belt: Belt, load: Load, steel: Material, found: list[Stress]) -> list[str]:
+def _checks(belt: Belt, load: argparse.Namespace, steel: Material, found: list[Stress]) -> list[str]:
     low, high = 1e-6 * steel.strength / steel.safety, 1e-6 * steel.allowed
     lines = [
         f"Ratio: {1.0 / belt.reach:.3f} to {belt.reach:.3f} between the stops",

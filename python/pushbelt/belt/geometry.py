@@ -10,7 +10,7 @@ from dataclasses import MISSING, dataclass, field, fields
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import BELT_LENGTH
 from pushbelt.fmu.geometry import TwoPulleyCurve
 from pushbelt.maps.plan import stops
@@ -35,13 +35,9 @@ CLEARANCE = 0.004  # Distance of the two pulleys at the largest radii, m
 MIN_RADIUS = 0.03  # Smallest pitch radius, m
 
 
-class BeltError(PushbeltError, ValueError):
-    """Dimensions that do not belong to a belt."""
-
-
 def _require(true: bool, text: str) -> None:
     if not true:
-        raise BeltError(text)
+        raise ArgumentError(text)
 
 
 def _of(name: str, low: float, high: float, option: str, default: Any = MISSING, shown: str = "") -> Any:
@@ -83,7 +79,7 @@ class Dimensions:
         for one in fields(self):
             value, of = getattr(self, one.name), one.metadata
             if value is not None and not of["low"] <= value <= of["high"]:
-                raise BeltError(f"{of['name']} is {value:g} {of['unit']}".rstrip() + f", not within {of['low']:g} to {of['high']:g}")
+                raise ArgumentError(f"{of['name']} is {value:g} {of['unit']}".rstrip() + f", not within {of['low']:g} to {of['high']:g}")
         least = 2.0 * self.center_distance
         text = f"a belt of {self.length:g} m does not close around axes {self.center_distance:g} m apart: it must be longer than {least:g} m"
         _require(self.length > least, text)
@@ -104,7 +100,7 @@ def _chosen(value: float, given: bool, note: str = "") -> Entry:
 
 class Belt:
     def __init__(self, dimensions: Dimensions) -> None:
-        """Raises BeltError if the numbers of the elements do not fit each other, or no ratio is within the stops."""
+        """Raises ArgumentError if the numbers of the elements do not fit each other, or no ratio is within the stops."""
         self.dimensions = d = dimensions
         self.layer_width = d.layer_width or (d.width - PILLAR) / SETS
         # From the rocking edge to the ring's centre line.

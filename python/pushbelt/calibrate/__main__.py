@@ -15,8 +15,6 @@ one, at the parameters of --variator. Their limits are those of TABLE or of --wi
 Exit codes: 0 the model fits, 1 an error, 3 it does not fit (all files are written).
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import re
@@ -136,8 +134,10 @@ def main(arguments: Sequence[str] | None = None) -> int | console.Done:
 
         begin = time.perf_counter()
         belt_described(fmu := options.fmu or default_fmu())
-        for score in report.hold_out(fmu, rig, given, options.workers, options.output):
-            print(f"  {report.sentence_of_score(score)}")
+        for one in report.hold_out(fmu, rig, given, options.workers, options.output):
+            lost = f", {one.lost} values without a steady state" if one.lost else ""
+            size, bias = report.short(one.relative), report.short(one.bias)
+            print(f"  {one.quantity}, {one.variator}: {size} standard deviations, bias {bias}{lost}")
         print(f"{(options.output / 'report.html').resolve()} ({time.perf_counter() - begin:.0f} s)")
         return 0
     rig = once(rig)
@@ -186,7 +186,8 @@ def solutions(rig: points.Rig, parameters: int) -> float:
 
 def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     require("tables")  # The help needs no packages of the extras.
-    from . import misfit, model, report
+    from . import friction, misfit, model, report
+    from .causes import with_causes
     from .fit import fit
 
     fmu = options.fmu or default_fmu()
@@ -196,8 +197,8 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
     if rig is None or options.plan is not None:
         return _plan(options, fmu, base, chosen, rig.points if rig else [])
-    laws = [misfit.friction_over(rig, options.friction_over, chosen)] if options.friction_over else []
-    groups = misfit.friction_by(rig, options.friction_by, chosen) if options.friction_by else None
+    laws = [friction.over_column(rig, options.friction_over, chosen)] if options.friction_over else []
+    groups = friction.by_group(rig, options.friction_by, chosen) if options.friction_by else None
     laws += groups.causes if groups else []
     used = [name for name in (options.friction_over, options.friction_by) if name]
     rig.sheet.ignored = [title for title in rig.sheet.ignored if not any(same(name, title) for name in used)]
@@ -206,7 +207,7 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     warnings = [remark for remark in rig.sheet.remarks if remark.startswith("warning")]
     print("\n".join([*warnings, _effort(rig, len(chosen), options.workers)]), file=sys.stderr)
     with model.opened(fmu, base, rig.points, options.workers, solutions(rig, len(chosen))) as opened:
-        fitted = misfit.with_causes(opened, laws)
+        fitted = with_causes(opened, laws)
         found = fit(fitted, chosen)
         trends = [] if rig.recorded else misfit.trends(rig, fitted, found)
         certain = [] if rig.recorded else misfit.ratio_of_speeds(rig, found)
@@ -214,13 +215,12 @@ def _run(options: argparse.Namespace, rig: points.Rig | None) -> console.Done:
     said = certain or [misfit.sentence(rig, found, cause) for cause in causes]
     if not found.misfit and causes and found.rms[1] > SUSPECT and causes[0].fit.rms[1] < 0.5 * found.rms[1]:
         found = found._replace(misfit=f"an error of the table leaves {causes[0].fit.rms[1]:.3g} standard deviations in place of {found.rms[1]:.3g}")
-    holding = [*filter(None, (law.advice for law in laws)), *(misfit.compared(groups, found) if groups else [])]
+    holding = [*filter(None, (law.advice for law in laws)), *(friction.compared(groups, found) if groups else [])]
     about = (time.perf_counter() - begin, points.notes(rig.sheet), said, trends, holding)
     results = report.Results(options.table.name, description.version or "", options.variator, base, fitted, found, *about)
-    options.output.mkdir(parents=True, exist_ok=True)
     report.write_residuals(results, options.output / "residuals.csv")
     report.write_parameters(results, options.output / "parameters.json")
-    report.write_html(results, path := options.output / "report.html")
+    path = report.write_html(results, options.output / "report.html")
     if found.misfit:
         print(f"does not fit: {found.misfit}")
     if left_out := report.outliers(results):
@@ -248,7 +248,6 @@ def _plan(options: argparse.Namespace, fmu: Path, base: dict[str, float], chosen
     print(f"{len(places)} places, {len(chosen)} parameters: about {seconds:.0f} s on {options.workers} processors", file=sys.stderr)
     with model.opened(fmu, base, [*table, *places], options.workers, solutions) as opened:
         found = plan.plan(opened, len(table), chosen, values, options.plan)
-    options.output.mkdir(parents=True, exist_ok=True)
     for line in plan.write(found, path := options.output / "plan.csv"):
         print(f"  {line}")
     print(path.resolve())

@@ -1,5 +1,4 @@
-"""A fit: bounded least squares by few steady states and without outliers, confidence intervals, and detection of parameters that the table does
-not determine."""
+"""A fit: bounded least squares by few steady states, without outliers; confidence intervals; parameters that a table does not determine."""
 
 from __future__ import annotations
 
@@ -18,6 +17,7 @@ from .parameters import Parameter, assign
 from .worker import Found
 
 CONFIDENCE = 0.95
+CHANCE = 0.01  # Probability that scatter is taken for a cause, a difference of groups or a trend, over all tests
 UNDETERMINED = 1.0
 """Largest half-width of the interval of a determined parameter, in its coordinate: the start value itself, or a factor of e."""
 MISFIT = 3.0  # Root mean square of the residuals, in standard deviations, above which a fit is bad
@@ -238,11 +238,9 @@ def _robust(squares: Array) -> Array:
 
 
 class Search:
-    """Bounded least squares.
-
-    The derivatives are central differences of steady states. Each trial updates them along its step (Broyden), which costs no further steady states.
-    A search ends within the range of its derivatives, which then also give the intervals; else it continues with those at its end.
-    """
+    """Bounded least squares. The derivatives are central differences of steady states. Each trial updates them along its step (Broyden),
+    which costs no further steady states. A search ends within the range of its derivatives, which then also give the intervals; else it
+    continues with those at its end."""
 
     def __init__(self, model: Model, parameters: Sequence[Parameter], place: Array, states: list[Found]) -> None:
         self.model, self.parameters = model, tuple(parameters)
@@ -284,8 +282,7 @@ class Search:
         return bool(np.abs(self._bounds[:, k] - self.place[k]).min() < AT_BOUND)
 
     def run(self, free: Sequence[int], waiting: Iterable[int] = (), robust: bool = False) -> None:
-        """Minimises the sum of squares over the free parameters, or a robust loss. The derivatives at the end are also those of the waiting parameters. A
-        robust search ends without them."""
+        """Minimises the sum of squares over the free parameters, with derivatives at its end by the waiting ones, too; or a robust loss."""
         every = [*free, *waiting]
         for _ in range(MOST_SEARCHES):
             found = self._search(list(free), robust)

@@ -1,7 +1,5 @@
 """Residuals and their derivatives from points and parameters, by steady states of the FMU in several processes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace

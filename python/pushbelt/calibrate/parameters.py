@@ -1,28 +1,20 @@
 """The fitted parameters of the FMU, with start value, bounds and the coordinate of the fit."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pushbelt.errors import PushbeltError, similar
+from pushbelt.errors import ArgumentError, similar
 
 DEFAULT = ("friction.pulley", "friction.ring", "belt.play")  # Parameters that are fitted by default
 Pair = tuple[float, float]
 
 
-class ParameterError(PushbeltError, ValueError):
-    """A parameter cannot be fitted. The message contains the reason."""
-
-
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter, or a common parameter of both pulleys with one value.
-
-    The fitted coordinate is ln(value/start) if the lower bound is above 0, else value/start, or value/scale.
-    """
+    """A parameter, or a common parameter of both pulleys with one value. The fitted coordinate is ln(value/start) if the lower bound is
+    above 0, else value/start, or value/scale."""
 
     name: str  # Name as specified
     variables: tuple[str, ...]  # Variables of the FMU that are set to the value; none for a size that the FMU does not have
@@ -69,11 +61,11 @@ def choose(
     priors = priors or {}
     for given, what in ((limits, "bounds are"), (priors, "a prior is")):
         if unknown := given.keys() - wanted.keys():
-            raise ParameterError(f"{what} specified for {', '.join(sorted(unknown))}, which is not fitted")
+            raise ArgumentError(f"{what} specified for {', '.join(sorted(unknown))}, which is not fitted")
     found = [_parameter(name, start, limits.get(name), priors.get(name), variables, values) for name, start in wanted.items()]
     taken = [variable for parameter in found for variable in parameter.variables]
     if twice := sorted({variable for variable in taken if taken.count(variable) > 1}):
-        raise ParameterError(f"{', '.join(twice)} appears twice in --fit")
+        raise ArgumentError(f"{', '.join(twice)} appears twice in --fit")
     return found
 
 
@@ -83,7 +75,7 @@ def _parameter(
     known = {full: one for full, one in variables.items() if one.causality == "parameter" and one.type == "Real"}
     names = (name,) if name in variables else (f"primary.{name}", f"secondary.{name}")
     if not known.keys() >= set(names):
-        raise ParameterError(f"the FMU has no real parameter {name}{similar(name, known)}")
+        raise ArgumentError(f"the FMU has no real parameter {name}{similar(name, known)}")
     first = known[names[0]]
     start = values.get(names[0], float(first.start)) if start is None else start
     low, high = (end if given is None else float(given) for end, given in ((-math.inf, first.min), (math.inf, first.max)))
@@ -94,9 +86,9 @@ def _parameter(
         low, high = max(low, limits[0]), min(high, limits[1])
     for what, value in (("start value", start), ("prior", prior and prior[0])):
         if value is not None and not (low <= value <= high and low < high):
-            raise ParameterError(f"{name}: the {what}, {value:g}, is not within its bounds, {low:g} to {high:g}")
+            raise ArgumentError(f"{name}: the {what}, {value:g}, is not within its bounds, {low:g} to {high:g}")
     if start == 0.0:
-        raise ParameterError(f"{name} starts at 0, which defines no scale: specify a start value by --fit {name}=VALUE")
+        raise ArgumentError(f"{name} starts at 0, which defines no scale: specify a start value by --fit {name}=VALUE")
     return Parameter(name, names, first.unit or "1", start, low, high, prior)
 
 

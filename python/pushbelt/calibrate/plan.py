@@ -4,8 +4,6 @@ A place adds JᵀJ of what would be measured there to the information of the tab
 the eighth power, which the widest one rules, in the mean over the loss of any one point. So no interval depends on a single place.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence
@@ -17,7 +15,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from pushbelt import tables
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.geometry import Array
 from pushbelt.maps.plan import MARGIN, stops
@@ -35,13 +33,8 @@ LEVELS: Mapping[str, int] = {RATIO: 5, SPEED: 3, TORQUE: 7, FORCE: 2}  # Numbers
 USED = 0.9  # Largest share of the belt's capacity at a place
 LEAST = 0.05  # Least share of the capacity, if there are no limits of the torque
 WIDTH = 0.05
-"""Half-width of the differences, in a parameter's coordinate. Where slopes change within it, as beside a jump of the steady state, the smaller ones
-count."""
+"""Half-width of the differences, in a parameter's coordinate. Where slopes change within it, as at a jump, the smaller counts."""
 SAME = 0.05  # Relative difference of all conditions up to which two places are the same
-
-
-class PlanError(PushbeltError, ValueError):
-    """Nothing can be planned. The message has the reason."""
 
 
 class Plan(NamedTuple):
@@ -53,22 +46,22 @@ class Plan(NamedTuple):
 
 def limits(given: Mapping[str, Pair], values: Mapping[str, float], table: Sequence[Point]) -> dict[str, Pair]:
     """Ranges of the conditions, SI: the given ones, else those of a table, else of the ratio between the end stops. The torque may have none. `values`
-    are parameters of the variator. Raises PlanError for a range that is missing, or does not ascend within what is possible."""
+    are parameters of the variator. Raises ArgumentError for a range that is missing, or does not ascend within what is possible."""
     ends = stops(values)
     found: dict[str, Pair] = {RATIO: (ends[0] * MARGIN, ends[1] / MARGIN)}
     if table:
         found = {name: (own.min(), own.max()) for name, own in zip(CONDITION, _conditions(table).T, strict=True)}
     found |= given
     if unknown := given.keys() - set(CONDITION):
-        raise PlanError(f"--within {unknown.pop()}: limits are those of {', '.join(CONDITION)}")
+        raise ArgumentError(f"--within {unknown.pop()}: limits are those of {', '.join(CONDITION)}")
     if missing := [name for name in (SPEED, FORCE) if name not in found]:
-        raise PlanError(f"there are no limits of {' and '.join(missing)}: add a table, or --within {missing[0]}=LOW:HIGH")
+        raise ArgumentError(f"there are no limits of {' and '.join(missing)}: add a table, or --within {missing[0]}=LOW:HIGH")
     for name, (least, most) in given.items():
         column = CONDITIONS[name]
         low, high = ends if name == RATIO else (column.low, column.high)
         if not low <= least <= most <= high:
             unit = usual(column.dimension)[0]
-            raise PlanError(f"--within {name}={least:g}:{most:g} is no ascending range within {low:.4g} to {high:.4g} {unit}")
+            raise ArgumentError(f"--within {name}={least:g}:{most:g} is no ascending range within {low:.4g} to {high:.4g} {unit}")
     return found
 
 
@@ -78,7 +71,7 @@ def _conditions(points: Sequence[Point]) -> Array:
 
 def candidates(within: Mapping[str, Pair], values: Mapping[str, float], table: Sequence[Point]) -> list[Point]:
     """Places within the limits, up to `USED` of the torque capacity, that are not in the table. What is measured there are the quantities of the
-    table, with their median standard deviations, NaN for assumed ones; without a table all. Raises PlanError if there is no place."""
+    table, with their median standard deviations, NaN for assumed ones; without a table all. Raises ArgumentError if there is no place."""
     known = [one for point in table for one in point.measured]
     wanted = [q for q in STEADY if any(one.quantity == q for one in known)] or STEADY
     own = {q: [one.deviation for one in known if one.quantity == q and one.given] for q in wanted}
@@ -94,14 +87,14 @@ def candidates(within: Mapping[str, Pair], values: Mapping[str, float], table: S
             if not np.any(np.all(np.abs(taken - place) <= SAME * np.abs(place), axis=1)):
                 found.append(Point(0, "", ratio, None, speed, torque, force, None, measured))
     if not found:
-        raise PlanError(f"no place within the limits has a torque below {100.0 * USED:.0f} % of the capacity")
+        raise ArgumentError(f"no place within the limits has a torque below {100.0 * USED:.0f} % of the capacity")
     return found
 
 
 def plan(model: Model, known: int, parameters: Sequence[Parameter], values: Mapping[str, float], count: int) -> Plan:
-    """The best `count` of the places. The first `known` points of the model are those of the table, the others places, of which those count that use
-    at most `USED` of the belt's capacity. `values` are parameters of the variator. Raises PlanError if there are too few places, or if they
-    determine none of the parameters."""
+    """The best `count` of the places. The first `known` points of the model are those of the table, the others places, of which those count
+    that use at most `USED` of the belt's capacity. `values` are parameters of the variator. Raises ArgumentError if there are too few
+    places, or if they determine none of the parameters."""
     at = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
     states = model.states(assign(parameters, at))
     assumed = [QUANTITIES[q].assumed(value) if q in STEADY else np.nan for q, value in zip(model.values["quantity"], model.column(states), strict=True)]
@@ -117,12 +110,12 @@ def plan(model: Model, known: int, parameters: Sequence[Parameter], values: Mapp
             usable.append(place)
     if len(usable) < count:
         why = f"{len(usable)} of {len(states) - known} places within the limits have a steady state below {100.0 * USED:.0f} % of the capacity"
-        raise PlanError(f"{why}, fewer than the {count} planned points: widen --within")
+        raise ArgumentError(f"{why}, fewer than the {count} planned points: widen --within")
     every = np.vstack([before, slopes[np.isin(owner, usable)]])
     weak = fit.weak_parameters(every)
     seen = [k for k in range(len(at)) if k not in weak]
     if halves(every[:, seen]).max() > fit.UNDETERMINED:
-        raise PlanError(f"no place within the limits determines {' or '.join(parameter.name for parameter in parameters)}")
+        raise ArgumentError(f"no place within the limits determines {' or '.join(parameter.name for parameter in parameters)}")
     before, slopes, names = before[:, seen], slopes[:, seen], [parameters[k].name for k in seen]
     information = np.array([slopes[owner == place].T @ slopes[owner == place] for place in usable])
     # A parameter of which nothing is known is uncertain by its own size.

@@ -1,7 +1,5 @@
 """Reports and files: of a calibration, and of a parameter set on a table that it was not fitted to, beside another set."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -34,7 +32,6 @@ LOOKS: tuple[dict[str, Any], ...] = ({"colour": BLUE, "size": 7}, {"colour": MUT
 """Looks of the leading set and of the other one."""
 Range = tuple[float, float]
 Sets = Mapping[str, pd.DataFrame]
-Text = Callable[[Any], str]
 _brief = partial(plain, digits=3)
 WORST = 10  # Number of values with the largest residuals in the list
 short = partial(plain, digits=4, none="–")
@@ -49,8 +46,7 @@ def reach(rows: pd.DataFrame) -> float:
 
 
 def chart(quantity: str, sets: Sets) -> Chart:
-    """The figures of a quantity. The first set leads; it must have values. The axes fit their bulk; its outliers are at the
-    border, with their values."""
+    """The figures of a quantity. The first set must have values: the axes fit their bulk, and its outliers are at the border."""
     sets = {name: rows.assign(at=rows["ratio"].fillna(rows["speed_ratio"])) for name, rows in sets.items()}
     leading = next(iter(sets.values()))
     most = reach(leading)
@@ -86,7 +82,7 @@ def over_columns(rows: pd.DataFrame, trends: Sequence[Trend]) -> Chart:
     return Chart(panels, "Residuals over columns", columns=3, common_legend=True)
 
 
-def _inside(sets: Sets, x: str, y: str, x_range: Range, y_range: Range, text: Text) -> tuple[list[Series], str]:
+def _inside(sets: Sets, x: str, y: str, x_range: Range, y_range: Range, text: Callable[[Any], str]) -> tuple[list[Series], str]:
     """The points within the axes; beyond them those of the leading set at the border, with their values, and a count of the others."""
     series: list[Series] = []
     notes = []
@@ -114,8 +110,7 @@ class Results:
         notes: Sequence[str] = (), causes: Sequence[str] = (), trends: Sequence[Trend] = (), laws: Sequence[str] = (),
     ) -> None:  # fmt: skip
         """Name of the table's file, version of the FMU, parameter set of the start values, its values with the additional settings, wall-clock
-        time, what was computed, ignored or left out of the table, possible causes of a misfit, trends of the residuals, and what a fitted law of
-        the friction says."""
+        time, notes on the table, causes of a misfit, trends of the residuals, and what a fitted law of the friction says."""
         self.table, self.version, self.variator, self.base, self.seconds, self.notes = table, version, variator, base, seconds, notes
         self.causes, self.tests, self.laws = causes, trends, laws
         self.trends = [one for one in trends if one.significant]
@@ -192,7 +187,7 @@ def _unit(quantity: str) -> str:
     return "" if MEASURED[quantity].dimension == "ratio" else "1/s"
 
 
-def write_html(results: Results, path: Path) -> None:
+def write_html(results: Results, path: Path) -> Path:
     found, rows = results.fit, results.rows
     used = rows[rows["found"].notna() & rows["kept"]]
     names, correlations = [estimate.parameter.name for estimate in found.determined], found.spread.correlations
@@ -213,7 +208,7 @@ def write_html(results: Results, path: Path) -> None:
         "priors": [estimate.parameter.name for estimate in found.estimates if estimate.parameter.prior],
         "step": model.STEP, "undetermined": fit.UNDETERMINED, "settling": worker.SETTLING, "window": worker.WINDOW,
     }  # fmt: skip
-    page.write_html("calibrate/calibrate.html.j2", context, path, plain=model.plain)
+    return page.write_html("calibrate/calibrate.html.j2", context, path, plain=model.plain)
 
 
 def _quantity(results: Results, quantity: str) -> dict[str, Any]:
@@ -227,17 +222,12 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-# Hold-out
-
-
 def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]], workers: int, folder: Path) -> list[Score]:
-    """Scores of sets by name on a table, by quantity and set: the first one, and those for comparison. Writes report.html, holdout.csv,
-    holdout.json and residuals.csv."""
+    """Scores of sets by name on a table, by quantity and set. Writes report.html, holdout.csv, holdout.json and residuals.csv."""
     with model.opened(fmu, {}, rig.points, workers, len(parameters) * len(rig.points)) as opened:
         sets = {name: opened.rows(opened.states(values)) for name, values in parameters.items()}
     first = next(iter(sets.values()))
     scores = [score(own, quantity, name) for quantity in quantities(first) for name, own in sets.items()]
-    folder.mkdir(parents=True, exist_ok=True)
     tables.write(folder / "holdout.csv", SCORES, scores)
     pd.DataFrame(scores).to_json(folder / "holdout.json", orient="records", double_precision=15, indent=2)
     header = ["line", "name", "time [s]", "quantity", "measured [SI]", "sd [SI]", *(f"{name} [SI]" for name in sets)]
@@ -259,8 +249,3 @@ def hold_out(fmu: Path, rig: Rig, parameters: Mapping[str, Mapping[str, float]],
 def _lost(rows: pd.DataFrame) -> pd.DataFrame:
     """One row for each point without a steady state."""
     return rows[rows["reason"].notna()].drop_duplicates("line")
-
-
-def sentence_of_score(score: Score) -> str:
-    lost = f", {score.lost} values without a steady state" if score.lost else ""
-    return f"{score.quantity}, {score.variator}: {short(score.relative)} standard deviations, bias {short(score.bias)}{lost}"

@@ -1,7 +1,5 @@
 """The worker process: loads the FMU once and solves points of the table in sequence."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence
@@ -24,12 +22,10 @@ SETTLING, WINDOW = 1.0, 1.0
 SHIFT_INERTIA = 1e-3
 """Moment of inertia of the primary pulley in a shift, kg·m². It is so small that the belt torque equals the point's torque."""
 SHIFT_TOLERANCE = 1e-7
-"""Tolerance of the integration in a shift. Differences over a third of `model.STEP` scatter by 0.6 %; with a tolerance of 1e-6
-they scatter by 4 %."""
+"""Tolerance of the integration in a shift. Differences over a third of `model.STEP` scatter by 0.6 %, with 1e-6 by 4 %."""
 STEADY = ("thrustRatio", "slip", "efficiency")
 RATIO_TOLERANCE, MOST_SOLVES = 1e-5, 10
 """Relative error of the speed ratio up to which the results are corrected by their derivatives, and largest number of steady states in the search."""
-
 LOST_SOLVES = 20
 """Cost of a point without a steady state, in steady states: the search for the torque that it carries takes 0.3 to 1 s."""
 
@@ -103,8 +99,7 @@ def _steady(states: SteadyStates, parameters: Mapping[str, float], point: Point,
 
 
 def _at_speed_ratio(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
-    """The geometric ratio for a speed ratio, i = i_speed (1 − slip), by Newton's method. The derivatives change little, so those of an earlier state
-    serve as well."""
+    """The geometric ratio for a speed ratio, i = i_speed (1 − slip), by Newton's method with derivatives of this or an earlier state."""
     speed_ratio, by_ratio = point.speed_ratio, point.by_ratio
     assert speed_ratio is not None
     ratio = speed_ratio * (1.0 - point.slip)
@@ -125,8 +120,7 @@ def _at_speed_ratio(states: SteadyStates, parameters: Mapping[str, float], point
 
 
 def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) -> Found:
-    """The shift rate at the ratio of the point. The run starts at a ratio from which it reaches the point's ratio in the middle
-    of the window if it shifts as measured."""
+    """The shift rate at the ratio of the point, which a run that shifts as measured has in the middle of the window."""
     assert point.ratio is not None and point.primary_force is not None
     (measured,) = point.measured
     revolution = 2.0 * math.pi / point.speed
@@ -145,9 +139,8 @@ def _shift(states: SteadyStates, parameters: Mapping[str, float], point: Point) 
 
 
 def _record(states: SteadyStates, parameters: Mapping[str, float], record: Point) -> Found:
-    """The ratio at each sample of a recorded shift. The run starts in the steady state at the first ratio. Torque and forces
-    are the recorded ones, linear between the samples, and the secondary pulley turns as recorded, at the primary speed over the
-    ratio."""
+    """The ratio at each sample of a recorded shift. The run starts in the steady state at the first ratio. Torque, forces and secondary
+    speed, the primary one over the ratio, are the recorded ones, linear between the samples."""
     inputs = [(time, (torque, first, second, speed / ratio)) for time, speed, torque, first, second, ratio in record.samples]
     _, _, _, primary_force, _, ratio = record.samples[0]
     unit = _started(states, parameters, record, ratio, ratio, primary_force)

@@ -82,7 +82,10 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and words[0] in PROGRAMS:
-        return run_program(words[0], words[1:])
+        with warnings.catch_warnings():
+            # One line each.
+            warnings.showwarning = lambda message, *_, **__: print(f"  warning: {message}", file=sys.stderr)
+            return importlib.import_module(f"pushbelt.{words[0]}.__main__").main(words[1:])
     options = parser().parse_args(words)
     return console.program(options.command, "all")(lambda _: _run(options))()
 
@@ -97,10 +100,3 @@ def _run(options: argparse.Namespace) -> int:
         # The reader of the output, such as `head`, has enough.
         sys.stdout = None
         return 0
-
-
-def run_program(name: str, words: list[str]) -> int:
-    """Runs a program, whose warnings are one line each."""
-    with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_, **__: print(f"  warning: {message}", file=sys.stderr)
-        return importlib.import_module(f"pushbelt.{name}.__main__").main(words)

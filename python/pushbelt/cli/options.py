@@ -1,7 +1,5 @@
 """The common words of the commands: what an option is called, what it means, and how its value is read."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import re
@@ -11,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import fields
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,9 +20,7 @@ from ..fmu.gradients import HELD, Asked
 from ..provenance import COMMAND
 from ..steel import Material
 from ..tables import units
-
-if TYPE_CHECKING:
-    from ..tables.sheet import Reading
+from ..tables.sheet import Reading
 
 MOST_NUMBERS = 10_000  # Largest number of values of a range
 DECIMAL = {"point": "point", ".": "point", "comma": "comma", ",": "comma"}
@@ -131,8 +126,6 @@ def add_reading(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
 
 def reading(options: argparse.Namespace) -> Reading:
     """Choices of the command line, of how a table is read."""
-    from ..tables.sheet import Reading
-
     as_written = getattr(options, "as_written", False)
     return Reading(DECIMAL.get(options.decimal), dict(options.map), options.sheet, options.encoding, as_written)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_variator, program
-from pushbelt.errors import require
+from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import described
 
@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     wanted = {name for pair in pairs for name in pair.names}
     unknown = [name for name in options.variables if name not in wanted]
     if unknown:
-        raise runs.CompareError(f"no pair of runs has a column {', '.join(unknown)}")
+        raise ArgumentError(f"no pair of runs has a column {', '.join(unknown)}")
     if all(pair.equal for pair in pairs):
         of = f"{len(pairs)} runs of the same name in " if options.a.is_dir() else ""
         print(f"{of}{options.a} and {options.b} are equal in all {len(wanted)} columns")

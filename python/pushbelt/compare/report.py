@@ -9,10 +9,10 @@ from markupsafe import Markup
 
 from pushbelt import tables
 from pushbelt.fmu.data import is_chain
-from pushbelt.fmu.results import Profile, Trace
+from pushbelt.fmu.results import BeltState, Profile, Trace
 from pushbelt.fmu.unit import PROFILE_FIELDS, PROFILE_POINTS
 from pushbelt.report import page
-from pushbelt.report.belt_view import OUTPUTS, SPEEDS, Motion, belt_view, of_run
+from pushbelt.report.belt_view import OUTPUTS, SPEEDS, belt_view, of_run
 from pushbelt.report.charts import Chart, Series, stack
 from pushbelt.report.style import BLUE, ORANGE, in_figures
 
@@ -25,29 +25,21 @@ MOMENTS = 300  # Largest number of times of a run in the animation
 
 
 def write(pairs: Sequence[Pair], folder: Path, wanted: Sequence[str], parameters: Mapping[str, float]) -> Path:
-    """Writes report and differences; returns the path of the report. It shows both belts of a pair if both files have the fields along the
-    belt; `parameters` are those of the variator."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Writes report and differences; returns the path of the report. It shows both belts, of these parameters, if both have fields."""
     measures = (f"{name} {tables.OF_A_VARIABLE}" for name in ("range", "rootMeanSquare", "largest"))
     found = ((pair, d) for pair in pairs for d in pair.differences)
-    rows = (
-        [pair.name, d.name, pair.units.get(d.name, ""), d.span, d.root_mean_square, d.largest, d.when, d.share] for pair, d in found
-    )
+    rows = ([pair.name, d.name, pair.units.get(d.name, ""), *d[1:], d.share] for pair, d in found)
     tables.write(folder / "differences.csv", ["run", "column", "unit", *measures, "time [s]", "largestShare [1]"], rows)
     keys = [f"run-{k}" for k in range(1, len(pairs) + 1)]
     shown = [(key, pair, overlay(pair, wanted, key), _belts(pair, key, parameters)) for key, pair in zip(keys, pairs, strict=True)]
-    path = folder / "report.html"
-    page.write_html("compare/compare.html.j2", {"pairs": shown, "most": MOST, "chosen": bool(wanted)}, path)
-    return path
+    return page.write_html("compare/compare.html.j2", {"pairs": shown, "most": MOST, "chosen": bool(wanted)}, folder / "report.html")
 
 
 def write_sets(rows: Sequence[Difference], paths: Sequence[Path], folder: Path) -> Path:
     """Writes report and differences of two parameter sets; returns the path of the report."""
-    folder.mkdir(parents=True, exist_ok=True)
     header = ["parameter", "unit", *(f"{name} {tables.OF_A_VARIABLE}" for name in ("A", "B", "difference", "deviation")), "difference/deviation [1]"]
     tables.write(folder / "differences.csv", header, rows)
-    page.write_html("compare/sets.html.j2", {"rows": rows, "paths": paths, "verdict": verdict(rows)}, path := folder / "report.html")
-    return path
+    return page.write_html("compare/sets.html.j2", {"rows": rows, "paths": paths, "verdict": verdict(rows)}, folder / "report.html")
 
 
 def _belts(pair: Pair, group: str, parameters: Mapping[str, float]) -> list[tuple[str, Markup]]:
@@ -55,7 +47,7 @@ def _belts(pair: Pair, group: str, parameters: Mapping[str, float]) -> list[tupl
     if not all(run.columns.keys() >= set(needed(parameters)) for run in pair.runs):
         return []
     runs = zip("AB", pair.runs, strict=True)
-    return [(who, belt_view(belt_of(run, parameters), parameters, f"Belt of run {who} over time", group)) for who, run in runs]
+    return [(who, belt_view(belt_of(run), parameters, f"Belt of run {who} over time", group, run=run)) for who, run in runs]
 
 
 def places(field: str) -> list[str]:
@@ -68,8 +60,8 @@ def needed(parameters: Mapping[str, float]) -> list[str]:
     return [*OUTPUTS, *SPEEDS, *(name for field in fields for name in places(field))]
 
 
-def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:
-    """The belt over the time of the run, at evenly spaced rows. `parameters` are those of the variator."""
+def belt_of(run: Trace) -> dict[float, BeltState]:
+    """The belt over the time of the run, at evenly spaced rows."""
     rows = np.unique(np.linspace(0, len(run.time) - 1, MOMENTS).round().astype(int))
     none = np.zeros((len(run.time), PROFILE_POINTS))
     tables = {
@@ -77,7 +69,7 @@ def belt_of(run: Trace, parameters: Mapping[str, float]) -> Motion:
         for name, field in PROFILE_FIELDS.items()
     }
     profiles = {float(run.time[k]): Profile(**{name: of[k] for name, of in tables.items()}) for k in rows}
-    return of_run(run, profiles, parameters)
+    return of_run(run, profiles)
 
 
 def overlay(pair: Pair, wanted: Sequence[str] = (), group: str = "") -> Chart:

@@ -4,11 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from pushbelt import tables
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import Trace
 
@@ -16,12 +17,7 @@ TIME = "time"
 SAME = 1e-9  # Tolerance relative to the range, within which runs are equal. Files have nine digits.
 
 
-class CompareError(PushbeltError, ValueError):
-    """The runs cannot be compared."""
-
-
-@dataclass(frozen=True)
-class Difference:
+class Difference(NamedTuple):
     name: str
     span: float  # Largest minus least value of both runs
     root_mean_square: float
@@ -50,7 +46,7 @@ class Pair:
         a, b = self.runs
         time = a.time[(a.time >= b.time[0]) & (a.time <= b.time[-1])]
         if not len(time):
-            raise CompareError(f"{self.paths[0]} and {self.paths[1]} have no time in common")
+            raise ArgumentError(f"{self.paths[0]} and {self.paths[1]} have no time in common")
         found = [_difference(name, time, a, b) for name in self.names]
         return sorted(found, key=lambda difference: -difference.share)
 
@@ -86,15 +82,15 @@ def pairs(a: Path, b: Path, units: Mapping[str, str] | None = None) -> list[Pair
     elif a.is_dir() and b.is_dir():
         both = {name: (path, files[1][name]) for name, path in files[0].items() if name in files[1]}
     else:
-        raise CompareError(f"{a} and {b} are a file and a folder: specify two files or two folders")
+        raise ArgumentError(f"{a} and {b} are a file and a folder: specify two files or two folders")
     if not both:
         names = [", ".join(sorted(found)) or "none" for found in files]
-        raise CompareError(f"no run has the same name in both folders: {a} has {names[0]}, {b} has {names[1]}")
+        raise ArgumentError(f"no run has the same name in both folders: {a} has {names[0]}, {b} has {names[1]}")
     return [_pair(name, *paths, units or {}) for name, paths in both.items()]
 
 
 def _pair(name: str, a: Path, b: Path, known: Mapping[str, str]) -> Pair:
-    """Raises CompareError if the files have different units in their headers."""
+    """Raises ArgumentError if the files have different units in their headers."""
     units: dict[str, str] = {}
     runs = []
     for path in (a, b):
@@ -102,7 +98,7 @@ def _pair(name: str, a: Path, b: Path, known: Mapping[str, str]) -> Pair:
         runs.append(run)
         for column, unit in own.items():
             if unit is not None and units.setdefault(column, unit) != unit:
-                raise CompareError(f"{column} is in {units[column]} in {a}, and in {unit} in {path}")
+                raise ArgumentError(f"{column} is in {units[column]} in {a}, and in {unit} in {path}")
     return Pair(name, (a, b), (runs[0], runs[1]), {column: unit for column, unit in {**known, **units}.items() if unit != "1"})
 
 
@@ -111,7 +107,7 @@ def _files(path: Path) -> Mapping[str, Path]:
     if path.is_dir():
         return {file.stem: file for file in sorted(path.glob("*.csv")) if next(iter(tables.read(file)[0]), "") == TIME}
     if not path.is_file():
-        raise CompareError(f"{path} does not exist")
+        raise ArgumentError(f"{path} does not exist")
     return {path.stem: path}
 
 
@@ -119,15 +115,15 @@ def read(path: Path) -> tuple[Trace, dict[str, str | None]]:
     """A result file, and the units in its header. Columns that are not numeric are skipped."""
     units, rows = tables.read(path)
     if TIME not in units:
-        raise CompareError(f"{path} is not a run: it has no column `{TIME}`")
+        raise ArgumentError(f"{path} is not a run: it has no column `{TIME}`")
     if not rows:
-        raise CompareError(f"{path} has no rows below its header")
+        raise ArgumentError(f"{path} has no rows below its header")
     if wrong := next((k for k, row in enumerate(rows, 2) if len(row) != len(units)), None):
-        raise CompareError(f"{path} is not a table of numbers: line {wrong} has not {len(units)} cells, as its header has")
+        raise ArgumentError(f"{path} is not a table of numbers: line {wrong} has not {len(units)} cells, as its header has")
     # A cell that is no number is NaN.
     values = np.genfromtxt(["\t".join(row) for row in rows], delimiter="\t", comments="\0").reshape(len(rows), -1)
     columns = {name: values[:, k] for k, name in enumerate(units) if np.isfinite(values[:, k]).any()}
     time = columns.pop(TIME, None)
     if time is None or not np.isfinite(time).all() or not (np.diff(time) > 0.0).all():
-        raise CompareError(f"the times of {path} do not ascend")
+        raise ArgumentError(f"the times of {path} do not ascend")
     return Trace(time, columns), units

@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 from scipy.stats import norm
 
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.untrusted import InputFileError, read_json, read_parameters
-
-from .runs import CompareError
 
 CONFIDENCE = 0.95
 
@@ -24,7 +23,7 @@ class Difference(NamedTuple):
 
 
 def differences(a: Path, b: Path) -> list[Difference]:
-    """The parameters that both sets have. Raises InputFileError for a file that is not a parameter set, CompareError without a common parameter."""
+    """The parameters that both sets have. Raises InputFileError for a file that is no parameter set, ArgumentError without a common one."""
     one, other = _read(a), _read(b)
     rows = []
     for name in (name for name in one if name in other):
@@ -32,7 +31,7 @@ def differences(a: Path, b: Path) -> list[Difference]:
         joint = None if sd is None or its_sd is None else (sd**2 + its_sd**2) ** 0.5
         rows.append(Difference(name, unit, first, second, second - first, joint, joint and (second - first) / joint))
     if not rows:
-        raise CompareError(f"{a} and {b} have no parameter in common")
+        raise ArgumentError(f"{a} and {b} have no parameter in common")
     return rows
 
 

@@ -20,11 +20,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     begin = time.perf_counter()
     results = simulate.run_all(options.fmu, options.variator, short=options.short)
-    options.output.mkdir(parents=True, exist_ok=True)
     report.write_trace(results, options.output / "results.csv")
     report.write_cases(results, options.output / "cases.csv")
-    path = options.output / "report.html"
-    report.write_html(results, path)
+    path = report.write_html(results, options.output / "report.html")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pushbelt.fmu.data import curve_at, is_chain, manoeuvre_inputs
+from pushbelt.fmu.data import curve_of, is_chain, manoeuvre_inputs
 from pushbelt.fmu.geometry import EDGE, Array
 from pushbelt.fmu.results import LoadCaseResult, Trace, intervals
 from pushbelt.report.page import Check
@@ -136,7 +136,7 @@ def power_imbalance(result: LoadCaseResult) -> float:
 def push_strand_spread(result: LoadCaseResult, parameters: Mapping[str, float]) -> float:
     """Spread of the push force in the lower strand, relative to its mean."""
     profile = result.steady.profile
-    *_, start, end, _ = curve_at(parameters, result.steady).borders
+    *_, start, end, _ = curve_of(parameters, result.steady["reference.theta"]).borders
     inside = (profile.position > start + EDGE) & (profile.position < end - EDGE)
     force = profile.push_force[inside]
     return float(np.ptp(force) / force.mean()) if force.size and force.mean() > 0.0 else float("inf")
@@ -162,7 +162,7 @@ def _order(cases: tuple[LoadCaseResult, ...]) -> Check:
 
 
 def _push_force_gains(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str, float]) -> Check:
-    profiles = [(curve_at(parameters, r.steady), r.steady.profile) for r in cases]
+    profiles = [(curve_of(parameters, r.steady["reference.theta"]), r.steady.profile) for r in cases]
     gains = [curve.push_force_gains(profile.position, profile.push_force) for curve, profile in profiles]
     built_up, decayed = [primary for primary, _, _ in gains], [-secondary for _, _, secondary in gains]
     found = f"by {min(built_up):.0f} to {max(built_up):.0f} N, by {min(decayed):.0f} to {max(decayed):.0f} N"

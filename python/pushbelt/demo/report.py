@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from pushbelt import tables
-from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
+from pushbelt.fmu.data import curve_of, is_chain, load_case_speed
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from pushbelt.fmu.results import LoadCaseResult, Profile, Trace, intervals
 from pushbelt.report import page
-from pushbelt.report.belt_view import STEADY_TIME, belt_view, motion, of_run
+from pushbelt.report.belt_view import STEADY_TIME, belt_view, of_run
 from pushbelt.report.charts import Chart, Mark, Panel, Series, Shade, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
@@ -134,20 +134,20 @@ def shaded_arcs(curve: TwoPulleyCurve, named: bool = False) -> list[Shade]:
     ]
 
 
-def write_html(results: DemoResults, path: Path) -> None:
+def write_html(results: DemoResults, path: Path) -> Path:
     chosen = next(result for result in results.cases if result.case.name == CHOSEN_CASE)
-    curve = curve_at(results.parameters, chosen.steady)
+    curve = curve_of(results.parameters, chosen.steady["reference.theta"])
     trace = results.manoeuvre.trace
     found = events.detect(trace)
     slips_through = results.manoeuvre.snapshots.get(8.6)
     pictures = {
         "cases": load_cases(results.cases), "manoeuvre": manoeuvre(trace, found),
         "moving_belt": belt_view(
-            of_run(trace, results.manoeuvre.snapshots, results.parameters), results.parameters,
-            "The belt on its pulleys during the manoeuvre", GROUP, min(SHOWN_TIME, float(trace.time[-1])),
+            of_run(trace, results.manoeuvre.snapshots), results.parameters,
+            "The belt on its pulleys during the manoeuvre", GROUP, min(SHOWN_TIME, float(trace.time[-1])), trace,
         ),
         "fields": fields(chosen.steady.profile, curve),
-        "belt": belt_view(motion(dict.fromkeys((0.0, STEADY_TIME), chosen.steady), results.parameters), results.parameters, "The belt on its pulleys"),
+        "belt": belt_view(dict.fromkeys((0.0, STEADY_TIME), chosen.steady), results.parameters, "The belt on its pulleys"),
     }  # fmt: skip
     if slips_through is not None:
         theta = float(trace["reference.theta"][np.argmin(np.abs(trace.time - 8.6))])
@@ -163,7 +163,7 @@ def write_html(results: DemoResults, path: Path) -> None:
         "energy_lost": float(np.sum(trace["loss.total"]) * STEP),
         "chosen": chosen, "speed": load_case_speed(), "pictures": pictures,
     }  # fmt: skip
-    page.write_html("demo/report.html.j2", context, path)
+    return page.write_html("demo/report.html.j2", context, path)
 
 
 def write_trace(results: DemoResults, path: Path) -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from pushbelt import console
 from pushbelt.cli.options import add_ring, add_short, add_variator, program
-from pushbelt.errors import ArgumentError, require
+from pushbelt.errors import ArgumentError, MissingPackageError, require
 
-from .cycle import CYCLES, CycleMissingError, wltc_class_3b
+from .cycle import CYCLES, wltc_class_3b
 from .vehicle import RANGES, demo_car
 
 
@@ -19,7 +19,7 @@ def default_cycle() -> str:
     """`wltc`, or `nedc` with a message if the table of the WLTC is not installed."""
     try:
         wltc_class_3b()
-    except CycleMissingError as error:
+    except MissingPackageError as error:
         print(f"  the NEDC is driven, not the WLTC: {error}", file=sys.stderr)
         return "nedc"
     return "wltc"
@@ -60,13 +60,12 @@ def main(arguments: Sequence[str] | None = None) -> console.Done:
     plan = dataclasses.replace(plan, cycle=(plan.cycle[0], end), **given)
     begin = time.perf_counter()
     results = runs.run_all(options.fmu, plan, options.output)
-    options.output.mkdir(parents=True, exist_ok=True)
     for run in results.runs:
         report.write_trace(run, results.units, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
     for run in results.runs[:2] if options.bands else ():
         share, most = runs.band_of_losses(options.fmu, run)
         print(f"  {run.setup.name}: losses of the variator {1e-3 * run.variator_loss:.4g} kJ ± {100.0 * share:.0f} %, most by {', '.join(most)}")
-    report.write_html(results, path := options.output / "report.html")
+    path = report.write_html(results, options.output / "report.html")
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return console.Done(0, results)
 

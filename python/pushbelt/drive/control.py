@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from pushbelt.fmu.data import clamping_force
 
@@ -16,8 +16,7 @@ from .piecewise import clip
 from .thrust_map import ThrustMap
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(NamedTuple):
     primary_speed: float  # rad/s
     ratio: float  # Geometric ratio r_S/r_P
     slip: float  # 1
@@ -32,8 +31,7 @@ class Measured:
         return cls(speed, ratio, slip, bool(signals["macroSlip"]), radius, torque)
 
 
-@dataclass(frozen=True)
-class Friction:
+class Friction(NamedTuple):
     """Parameters of the belt in the clamping law."""
 
     coefficient: float  # μ
@@ -149,10 +147,9 @@ class RatioControl:
         F_P = κ(i, u) F_S exp(R⁻¹(−λ*/(ω_P F))) − C (k_p e + k_i ∫e dt),   e = λ* − λ
 
     κ is the thrust ratio of the map at the ratio and the torque utilisation u, and R are the map's shift rates. With R
-    proportional to ε this is the law of Carbone, Mangialardi and Mantriota (J. Mech. Des. 127, 2005). F grows with F_S like
-    the tilt of the sheaves: less than proportionally, since a part of the tilt is their clearance. C = 1/(g ω_P) gives the
-    loop its design bandwidth. g is the largest gain near the demanded excess, because the slope of R may change sharply: a
-    belt that shifts by creep hardly moves until its elements slide radially. Where g is small, C is limited to `MOST_FORCE`.
+    proportional to ε this is the law of Carbone, Mangialardi and Mantriota (J. Mech. Des. 127, 2005). F is the acting force of the map.
+    C = 1/(g ω_P) gives the loop its design bandwidth. g is the largest gain near the demanded excess, because the slope of R may change
+    sharply: a belt that shifts by creep hardly moves until its elements slide radially. Where g is small, C is limited to `MOST_FORCE`.
 
     k_p and a short filter damp the effect of the flywheel when a shift changes its speed (docs/controllers.md). The integral
     is stored as a force and is constant while F_P is at a limit in its direction. The primary force is never below the one

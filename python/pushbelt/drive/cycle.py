@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pushbelt.errors import ArgumentError, MissingFileError, PushbeltError
+from pushbelt.errors import ArgumentError, MissingFileError, MissingPackageError
 from pushbelt.fmu.geometry import Array
 
 from .piecewise import interpolate
@@ -38,17 +38,13 @@ class Cycle:
         return Cycle(time - start, np.interp(time, self.time, self.speed), self.start + start)
 
 
-class CycleMissingError(PushbeltError, ValueError):
-    """The speed trace of a cycle is not installed."""
-
-
 def wltc_class_3b() -> Cycle:
-    """The whole cycle, 1800 s in steps of 1 s. Raises CycleMissingError if its table is not installed."""
+    """The whole cycle, 1800 s in steps of 1 s. Raises MissingPackageError if its table is not installed."""
     # Only the table is loaded. The package requires a version of `jsonschema` that is too old for other packages, hence --no-deps.
     try:
         from wltp.cycles import class3
     except ModuleNotFoundError as error:
-        raise CycleMissingError(
+        raise MissingPackageError(
             "the speed trace of the WLTC is in the package wltp (EUPL): pip install --no-deps wltp==0.1.2a0. "
             "The NEDC needs no package: --cycle nedc"
         ) from error

@@ -12,7 +12,7 @@ from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import intervals
 from pushbelt.report import page
-from pushbelt.report.belt_view import belt_view, motion
+from pushbelt.report.belt_view import belt_view
 from pushbelt.report.charts import Chart, Field, Panel, Series, Shade, Tick, stack
 from pushbelt.report.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, RPM, VIOLET
 
@@ -43,8 +43,7 @@ class Merit(NamedTuple):
 
 
 def pump_power(run: Run) -> Array:
-    """Power that the pump takes from the engine over time, W: (max(p_P, p_S) + margin) V n/η. It delivers more than the circuits take; the
-    rest flows back through a valve."""
+    """Power that the pump takes from the engine over time, W: (max(p_P, p_S) + margin) V n/η. What the circuits do not take flows back."""
     pressure = np.max([run[f"{pulley}.pressure"] for pulley in PULLEYS], axis=0) + PUMP_MARGIN
     revolutions = np.maximum(run["engine.speed"], 0.0) / (2.0 * math.pi)
     return pressure * DISPLACEMENT * revolutions / PUMP_EFFICIENCY
@@ -157,8 +156,7 @@ def balance_gap(run: Run, inertia: float) -> float:
 
 
 def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
-    """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units and with the names of the FMU variables.
-    Energies are those since the start of the run."""
+    """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units. Energies are those since its start."""
     every = round(CSV_STEP / STEP)
     energies = {name: np.cumsum(run[name]) - run[name] for name in OF_STEPS}
     columns = {name: column for name, column in {**run.columns, **energies}.items() if not np.isnan(column).all()}
@@ -166,14 +164,14 @@ def write_trace(run: Run, units: Mapping[str, str], path: Path) -> None:
     tables.write(path, ["time [s]", *tables.titles(columns, units)], table.tolist(), digits=7)
 
 
-def write_html(results: Results, path: Path) -> None:
+def write_html(results: Results, path: Path) -> Path:
     parameters = parameter_set(results.plan.variator)
     named = {run.setup.name: run for run in results.runs}
     fixed, slip, *_, safe, controlled = results.runs
     close_up, belt = named.get("close-up"), ""
     if slip.snapshots:
         title = "The belt on its pulleys during the drive"
-        belt = belt_view(motion(slip.snapshots, parameters), parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
+        belt = belt_view(slip.snapshots, parameters, title, group=GROUP, start=0.5 * sum(results.plan.cycle))
     context = {
         "version": results.version, "plan": results.plan, "car": results.plan.car,
         "rows": [
@@ -194,4 +192,4 @@ def write_html(results: Results, path: Path) -> None:
             "low_friction": low_friction(safe, controlled), "map": operating_points(results.thrust_map, slip),
         },
     }  # fmt: skip
-    page.write_html("drive/drive.html.j2", context, path)
+    return page.write_html("drive/drive.html.j2", context, path)

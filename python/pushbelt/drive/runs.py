@@ -53,8 +53,7 @@ class Plan:
         return titled(self.trace)[0]
 
     def setups(self, belt: bool = True) -> tuple[Setup, ...]:
-        """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction. A variator from maps has no
-        `belt` to look at closely."""
+        """Fixed safety factor, slip control, close-up of a `belt` with slip control, both strategies with low friction."""
         whole = titled(self.trace)[1]
         cycle, slippery = whole.section(*self.cycle), whole.section(*self.low_friction)
         setups = (
@@ -113,8 +112,7 @@ def _map(fmu: Path, plan: Plan, ring: str, cache: Path) -> ThrustMap:
 
 
 def band_of_losses(fmu: Path, run: Run) -> tuple[float, list[str]]:
-    """Relative standard deviation of the variator's lost energy, and the three parameters that make most of it. The controllers' demands are
-    those of the run."""
+    """Relative standard deviation of the variator's lost energy under the forces of the run, and the three parameters of most of it."""
     deviations = known_deviations(run.setup.variator)
     energy, found = np.cumsum(run["loss.total"]), []
     rows = np.searchsorted(energy, energy[-1] * (np.arange(STATES) + 0.5) / STATES)

@@ -99,8 +99,7 @@ class Run(Trace):
 
 
 def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) -> dict[str, float]:
-    """Start values of the FMU: a parameter set with the car's inertia on the secondary shaft and the pistons of the circuits; the ring
-    model by name."""
+    """Start values of the FMU: a parameter set with the car's inertia on the secondary shaft, pistons of the circuits and a ring model."""
     areas = {f"{pulley}.cylinder.area": PressureCircuit.area for pulley in ("primary", "secondary")}
     parameters = {**parameter_set(variator), **areas}
     parameters["secondary.inertia"] += car.inertia
@@ -134,8 +133,7 @@ def run(archive: Archive, car: Car, thrust_map: ThrustMap, setup: Setup, progres
 def _advance(
     unit: Instance, car: Vehicle, control: TransmissionControl, friction: Friction, setup: Setup, progress: Callable[[float], None]
 ) -> tuple[Array, dict[float, BeltState]]:
-    """The loop of communication steps from standstill on: `COLUMNS` at each communication point and over the step that follows, and the
-    belt at the times of the set-up."""
+    """The loop of communication steps from standstill on: `COLUMNS` at each point or over its step, and the belt at the set-up's times."""
     step, count, start = setup.step, round(setup.cycle.duration / setup.step), setup.cycle.start
     moments = {round((moment - start) / step): moment for moment in setup.snapshots}
     rows, snapshots = np.empty((count, len(COLUMNS))), {}

@@ -72,8 +72,7 @@ class ThrustMap:
         return interpolate(rate, self._rates(ratio, utilisation), self._plain.excesses)
 
     def shift_gain(self, ratio: float, utilisation: float, excess: float = 0.0, secondary: float = FORCE) -> float:
-        """g of d(ln i)/dt = −g ω_P ΔF_P about an excess, 1/(N·rad): the steepest R within ±`NEARBY` of it. `secondary` is the
-        secondary clamping force, N."""
+        """g of d(ln i)/dt = −g ω_P ΔF_P about an excess, 1/(N·rad), at a secondary force, N: the steepest R within ±`NEARBY` of it."""
         low, high = excess - NEARBY, excess + NEARBY
         points = list(zip(self._plain.excesses, self._rates(ratio, utilisation), strict=True))
         near = (pair for pair in pairwise(points) if pair[1][0] > low and pair[0][0] < high)

@@ -71,9 +71,7 @@ def ratio_target(engine_speed: float, secondary_speed: float, before: float, ste
 
 class TransmissionControl:
     """Computes the target ratio from the demanded power, the clamping forces by strategy and ratio control, and the pressures.
-
-    `strategy` is `safety` for the fixed safety factor, or `slip` for slip control; `scale` multiplies its secondary force.
-    """
+    `strategy` is `safety` for the fixed safety factor, or `slip` for slip control; `scale` multiplies its secondary force."""
 
     POWER_RISE, POWER_FALL = 0.3, 1.5  # Time constants with which the ratio follows the demanded power, s
 

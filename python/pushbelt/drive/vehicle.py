@@ -161,11 +161,9 @@ class Powertrain:
 
 
 class Driver:
-    """Feed-forward from the road load and the future speed of the trace, plus a PI controller.
-
-    F = m a_ref + F_road(v_ref) + m (k_p e + k_i ∫e dt), e = v_ref − v, with a_ref over the next half second. The
-    integrator is stopped while the force is at a limit, and at standstill.
-    """
+    """Feed-forward from the road load and the future speed of the trace, plus a PI controller:
+    F = m a_ref + F_road(v_ref) + m (k_p e + k_i ∫e dt), e = v_ref − v, with a_ref over the next half second.
+    The integrator is stopped while the force is at a limit, and at standstill."""
 
     PREVIEW = 0.5  # s
     PROPORTIONAL, INTEGRAL = 1.2, 0.3  # 1/s and 1/s²

@@ -21,7 +21,7 @@ import numpy as np
 
 from pushbelt import console
 from pushbelt.cli.options import add_material, add_variator, material, program
-from pushbelt.errors import require
+from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.bands import SAMPLES, increased, samples
 from pushbelt.fmu.data import BELT_LENGTH, is_chain, parameter_deviations, parameter_set
 from pushbelt.fmu.files import default_fmu
@@ -31,7 +31,7 @@ from pushbelt.fmu.unit import belt_described
 from pushbelt.points import SteadyStateError
 from pushbelt.variator import Variator
 
-from .table import COLUMNS, POINT, DurabilityError, Table, read
+from .table import COLUMNS, POINT, Table, read
 
 if TYPE_CHECKING:
     from .damage import Damage
@@ -61,7 +61,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return damage(read(path, not options.hours, options.profile, partial(_solved, options, changes)), steel, parameters)
 
     results = [solved(path) for path in paths]
-    options.output.mkdir(parents=True, exist_ok=True)
     path = report.write(results, options.output)
     for result in results:
         print(f"  {result.table.name}: {report.summary(result)}")
@@ -84,7 +83,7 @@ def _scatter(options: argparse.Namespace, table: Table, solved: Callable[[Mappin
     name = options.variator or "bench168"
     values, deviations = parameter_set(name), parameter_deviations(name)
     if not table.solved or not deviations:
-        raise DurabilityError(f"{table.name}: --bands needs a collective of working points, and a parameter set with known deviations")
+        raise ArgumentError(f"{table.name}: --bands needs a collective of working points, and a parameter set with known deviations")
     variables = {one.name: one for one in belt_described(options.fmu or default_fmu()).modelVariables}
     lives, used = [], []
     for changes in samples(deviations, SAMPLES):
@@ -95,7 +94,7 @@ def _scatter(options: argparse.Namespace, table: Table, solved: Callable[[Mappin
         lives.append(found.life(found.total)[0])
         used.append([*changes.values(), found.utilisation])
     if len(lives) < SAMPLES // 2:
-        raise DurabilityError(f"{table.name}: only {len(lives)} of {SAMPLES} belts carry all rows")
+        raise ArgumentError(f"{table.name}: only {len(lives)} of {SAMPLES} belts carry all rows")
     low, middle, high = (f"{life:.3g} h" if np.isfinite(life) else "unlimited" for life in np.quantile(lives, (0.16, 0.5, 0.84), method="nearest"))
     shares, amplitudes = np.abs(np.corrcoef(np.transpose(used))[-1, :-1]), 100.0 * np.array(used)[:, -1]
     most = ", ".join(largest(deviations, shares))
@@ -109,7 +108,7 @@ def _files(path: Path) -> list[Path]:
         return [path]
     if found := [path / name for name in DRIVES if (path / name).is_file()]:
         return found
-    raise DurabilityError(f"{path} has no {' or '.join(DRIVES)}: name a file, or the folder of `drive`")
+    raise ArgumentError(f"{path} has no {' or '.join(DRIVES)}: name a file, or the folder of `drive`")
 
 
 def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
@@ -119,10 +118,10 @@ def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
     if variator is not None or fmu is None:
         values |= parameter_set(variator or "bench168")
     if is_chain(values):
-        raise DurabilityError(f"{variator or fmu}: belt.kind = 2 is a pull chain, which has no ring layers")
+        raise ArgumentError(f"{variator or fmu}: belt.kind = 2 is a pull chain, which has no ring layers")
     length, (low, high) = values.get("geometry.beltLength"), BELT_LENGTH
     if not isinstance(length, (int, float)) or not low <= length <= high:
-        raise DurabilityError(f"geometry.beltLength is {length}, not within {low:g} to {high:g} m")
+        raise ArgumentError(f"geometry.beltLength is {length}, not within {low:g} to {high:g} m")
     return values
 
 

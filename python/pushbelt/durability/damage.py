@@ -107,9 +107,8 @@ class Damage:
         return found
 
     def clamped(self, factor: float) -> Damage | None:
-        """Estimate for clamping forces times a factor. None if the table has no radii, or if the mean stress would reach the
-        strength. The tension part of the stress, without the centrifugal one, is proportional to the factor. Bending does not
-        change."""
+        """Estimate for clamping forces times a factor: the tension part of the stress, without the centrifugal one, is proportional to it,
+        bending does not change. None if the table has no radii, or if the mean stress would reach the strength."""
         table, values = self.table, self.parameters
         if table.field is not None or any(f"{pulley}.radius" not in table.columns for pulley in PULLEYS):
             return None
@@ -139,8 +138,7 @@ def _bands(values: Array, unit: str) -> list[tuple[str, Array]]:
 
 
 def damage(table: Table, material: Material, parameters: Mapping[str, float]) -> Damage:
-    """Damage of a run. Raises DurabilityError by line and column if an amplitude is not that of a running ring, or the mean or the
-    largest stress reaches the strength."""
+    """Damage of a run. Raises TableError for an amplitude that no running ring has, or a mean or largest stress above the strength."""
     parts = cycles(table)
     low, most = AMPLITUDES
     limits = f"Pa is not within {low:g} to {most:g} Pa, as that of any ring that moves"

@@ -112,18 +112,17 @@ def write(results: Sequence[Damage], folder: Path) -> Path:
         "version": __version__, "rainflow": importlib.metadata.version("rainflow"), "units": UNITS,
         "material": dataclasses.asdict(results[0].material), "runs": [_entry(result) for result in results],
     }  # fmt: skip
-    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
-    (folder / "durability.json").write_text(text + "\n", encoding="utf-8")
     names = list(dict.fromkeys(name for result in results for name in result.parts))
     columns = ["time [s]", "revolutions [1]", "damage [1]", "damageWithoutLimit [1]"]
     header = ["run", *columns, *(f"equivalentAmplitude, {name} [Pa]" for name in names)]
     tables.write(folder / "durability.csv", header, _rows(results, names), digits=7)
+    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False)
+    (folder / "durability.json").write_text(text + "\n", encoding="utf-8")
     context = {
         "runs": [(result, clamping(result)) for result in results], "material": results[0].material, "document": document,
         "life": _life, "over_time": over_time, "haigh": haigh, "ratio_torque": ratio_torque, "clamping": of_clamping,
     }  # fmt: skip
-    page.write_html("durability/durability.html.j2", context, folder / "report.html")
-    return folder / "report.html"
+    return page.write_html("durability/durability.html.j2", context, folder / "report.html")
 
 
 def summary(result: Damage) -> str:

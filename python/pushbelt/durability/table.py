@@ -1,5 +1,4 @@
-"""The table of outputs: in SI units or with units in its header, with the names of the FMU's outputs; or a load collective, whose rows have hours.
-Errors are reported by line and column."""
+"""The table of outputs by the FMU's names, or a load collective, whose rows have hours. Errors are reported by line and column."""
 
 import hashlib
 import re
@@ -9,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from pushbelt.errors import PushbeltError
 from pushbelt.fmu.geometry import Array
 from pushbelt.tables import sheet as sheets
 from pushbelt.tables import split
@@ -48,10 +46,6 @@ OF_POINTS: Mapping[str, Column] = {**{name: CONDITIONS[name] for name in POINT},
 Solve = Callable[[Mapping[str, Array]], dict[str, Array]]  # Outputs in the steady states at columns of working points
 
 
-class DurabilityError(PushbeltError, ValueError):
-    """The table cannot be used. The message has line, column and value."""
-
-
 class Table:
     """A run, in SI units."""
 
@@ -75,30 +69,27 @@ class Table:
         return self.columns[name]
 
     def refuse(self, bad: Array, column: str, why: Callable[[int], str]) -> None:
-        """Raises DurabilityError at the first of the rows that are bad in a column; `why` gives the text of a row."""
+        """Raises TableError at the first of the rows that are bad in a column; `why` gives the text of a row."""
         if bad.any():
             row = int(np.argmax(bad))
-            raise DurabilityError(f"{self.path}, line {self.lines[row]:.0f}, column {column}: {why(row)}")
+            raise TableError(f"{self.path}, line {self.lines[row]:.0f}, column {column}: {why(row)}")
 
 
 def read(path: Path, kilometres: bool = True, profile: bool = False, solve: Solve = dict) -> Table:
     """Reads a table. With `kilometres` it must have the column distance, unless it is a collective. With `profile`, or without the outputs of the
-    cycles, the stress along the ring is read. A collective without stress is one of working points, which `solve` solves. Raises DurabilityError
+    cycles, the stress along the ring is read. A collective without stress is one of working points, which `solve` solves. Raises TableError
     for faults of the file, and OSError if the file cannot be read."""
-    try:
-        known = {**COLUMNS, HOURS: LASTING}
-        sheet = sheets.read(path, known, misspelled=False)
-        field = [title for title in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", split(title)[0])]
-        counted = profile or (bool(field) and not any(name in sheet.taken for name in STRESSES))
-        places = [f"{FIELD}[{k}]" for k in range(1, len(field) + 1)] if counted else []
-        if counted:
-            sheet = sheets.read(path, {**known, **dict.fromkeys(places, STRESS)}, misspelled=False)
-        points = sheet if counted or sheet.taken.keys() & {"ring.speed", *STRESSES} else sheets.read(path, OF_POINTS, misspelled=False)
-        solved = points is not sheet and HOURS in points.taken
-        sheet = points if solved else sheet
-        sheet.check()
-    except TableError as error:
-        raise DurabilityError(str(error)) from error
+    known = {**COLUMNS, HOURS: LASTING}
+    sheet = sheets.read(path, known, misspelled=False)
+    field = [title for title in sheet.ignored if re.fullmatch(re.escape(FIELD) + r"\[\d+\]", split(title)[0])]
+    counted = profile or (bool(field) and not any(name in sheet.taken for name in STRESSES))
+    places = [f"{FIELD}[{k}]" for k in range(1, len(field) + 1)] if counted else []
+    if counted:
+        sheet = sheets.read(path, {**known, **dict.fromkeys(places, STRESS)}, misspelled=False)
+    points = sheet if counted or sheet.taken.keys() & {"ring.speed", *STRESSES} else sheets.read(path, OF_POINTS, misspelled=False)
+    solved = points is not sheet and HOURS in points.taken
+    sheet = points if solved else sheet
+    sheet.check()
     stresses = (places or [f"{FIELD}[1]"]) if counted else [*STRESSES]
     required = [*POINT] if solved else ["ring.speed", *stresses]
     _complete(sheet, places, counted, [*required, HOURS] if HOURS in sheet.taken else ["time", *required, *["distance"] * kilometres])
@@ -133,7 +124,7 @@ def _complete(sheet: Sheet, places: list[str], counted: bool, required: list[str
     elif HOURS in required and not sheet.values[HOURS].any():
         text = f", column {HOURS}: the sum is 0"
     if text:
-        raise DurabilityError(f"{sheet.path}{text}")
+        raise TableError(f"{sheet.path}{text}")
 
 
 def _check_course(table: Table) -> None:

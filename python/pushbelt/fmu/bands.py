@@ -1,7 +1,5 @@
 """Standard deviations of the outputs of a steady state by those of parameters and conditions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -11,13 +9,11 @@ from .results import Bands
 from .steady import StartValues, SteadyStates
 from .unit import UnitError
 
-SAMPLES = 60
-"""Number of samples, with which a standard deviation is known to 9 %."""
+SAMPLES = 60  # Number of samples, with which a standard deviation is known to 9 %
 LINEAR_UTILISATION, LINEAR = 0.6, 0.5
 """Torque utilisation, and curvature as a share of an output's deviation, beyond which samples are drawn."""
 DEVIATION = ".sd"  # Suffix of a column of standard deviations
-NAMED = ("thrustRatio", "slip", "loss.total")
-"""Outputs whose curvature counts."""
+NAMED = ("thrustRatio", "slip", "loss.total")  # Outputs whose curvature counts
 
 
 def increased(variables: Mapping[str, Any], values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, float]:
@@ -37,11 +33,9 @@ def bands(
     states: SteadyStates, outputs: Mapping[str, float], near: bytes, start_values: Callable[[Mapping[str, float]], StartValues],
     deviations: Mapping[str, float],
 ) -> Bands:  # fmt: skip
-    """Standard deviations of the outputs of a stored steady state by `deviations`, from which `start_values` adds some.
-
-    An output that depends on each x, in standard deviations, as a x + b x² has the deviation √Σ(a² + 2 b²). Where b contributes much, or near
-    the capacity, that of samples of independent normal distributions replaces it.
-    """
+    """Standard deviations of the outputs of a stored steady state by `deviations`, from which `start_values` adds some. An output that
+    depends on each x, in standard deviations, as a x + b x² has the deviation √Σ(a² + 2 b²). Where b contributes much, or near the
+    capacity, that of samples of independent normal distributions replaces it."""
     middle, lost = np.array(list(outputs.values())), np.nan
 
     def at(changes: Mapping[str, float]) -> np.ndarray:

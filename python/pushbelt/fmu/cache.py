@@ -1,7 +1,5 @@
 """Cache of unpacked FMUs in the user's cache folder, so that an instance starts without unpacking."""
 
-from __future__ import annotations
-
 import hashlib
 import os
 import tempfile

@@ -4,8 +4,6 @@ The capacity is that of the secondary pulley, 2 μ r_P F_S/cosβ. The primary pu
 upper bound of what the belt carries.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,29 +1,19 @@
-"""Forces that close the pulleys, by the law of the FMU (`docs/hydraulics.md`): F = F_clamp + p A + F₀ − k z + c ω² − S ż/√(ż² + v₀²)."""
-
-from __future__ import annotations
+"""Forces that close the pulleys at rest, by the law of the FMU (`docs/hydraulics.md`): F = F_clamp + p A + F₀ − k z + c ω²."""
 
 import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from .data import needed, pitch_radius
 
 
-def closing_force(values: Mapping[str, Any], pulley: str, position: Any, speed: Any, sheave_velocity: Any = 0.0) -> Any:
+def closing_force(values: Mapping[str, Any], pulley: str, position: Any, speed: Any) -> Any:
     """Whole force on the movable sheave of `primary` or `secondary`, N, by names of FMU variables; those that `values` lacks are 0.
-
-    Position z (m), angular speed ω (rad/s), speed ż of the sheave (m/s), pressure and clamping force may be arrays.
-    """
+    Position z (m), angular speed ω (rad/s), pressure and clamping force may be arrays."""
     clamp, pressure = (values.get(f"{pulley}.{name}", 0.0) for name in ("clampingForce", "pressure"))
-    area, force, stiffness, centrifugal, seal = (
-        values.get(f"{pulley}.cylinder.{name}", 0.0) for name in ("area", "springForce", "springStiffness", "centrifugal", "seal")
-    )
-    found = clamp + pressure * area + force - stiffness * position + centrifugal * speed**2
-    if seal and np.any(sheave_velocity):
-        found = found - seal * sheave_velocity / np.hypot(sheave_velocity, needed(values, "friction.velocity"))
-    return found
+    names = ("area", "springForce", "springStiffness", "centrifugal")
+    area, force, stiffness, centrifugal = (values.get(f"{pulley}.cylinder.{name}", 0.0) for name in names)
+    return clamp + pressure * area + force - stiffness * position + centrifugal * speed**2
 
 
 def sheave_position(values: Mapping[str, float], pulley: str, ratio: float) -> float:

@@ -1,7 +1,5 @@
 """Data from `resources/`: published variators, parameter sets and the manoeuvre."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -16,7 +14,7 @@ from ..errors import ArgumentError, MissingFileError, UnknownNameError, similar
 from .enumerations import BeltKind
 from .files import RESOURCES
 from .geometry import TwoPulleyCurve, primary_radius, theta_of
-from .results import BeltState, LoadCase, Trace
+from .results import LoadCase, Trace
 from .untrusted import InputFileError, read_parameters
 
 SAFETY_RANGE = 1.0, 10.0  # Range of a safety factor of the clamping force
@@ -100,13 +98,8 @@ def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
     return TwoPulleyCurve(needed(parameters, "geometry.centerDistance"), needed(parameters, "geometry.beltLength"), theta)
 
 
-def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurve:
-    return curve_of(parameters, state["reference.theta"])
-
-
 def pitch_radius(parameters: Mapping[str, float], ratio: float) -> float:
-    """Pitch radius on the primary pulley, m, at a ratio of the pitch radii r_S/r_P. The centre line of the ring has
-    these radii plus the pitch offset."""
+    """Pitch radius on the primary pulley, m, at a ratio of pitch radii r_S/r_P: that of the ring's centre line less the pitch offset."""
     distance, length, offset = (needed(parameters, name) for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset"))
     outer = ratio
     for _ in range(100):

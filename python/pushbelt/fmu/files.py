@@ -1,7 +1,5 @@
 """Paths of the FMU and the published data, in the installed package or in the source tree."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
@@ -18,9 +16,7 @@ NAME = "PushbeltVariator.fmu"
 
 def default_fmu() -> Path:
     """The FMU that the environment variable `PUSHBELT_FMU` names, or the one in the wheel, or that in `target`.
-
-    Raises MissingFileError if it is missing.
-    """
+    Raises MissingFileError if it is missing."""
     return found("PUSHBELT_FMU", NAME, "cargo fmu build")
 
 

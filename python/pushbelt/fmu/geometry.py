@@ -29,9 +29,8 @@ def theta_of(ratio: float) -> float:
 
 
 def primary_radius(theta: float, center_distance: float, length: float) -> float:
-    """Radius of the ring's centre line on the primary pulley, m. Solves the closure of the belt, L = 2b + 2 r_P(π−φ) +
-    2 r_S φ with r_S = i r_P, φ = arccos((r_P−r_S)/d) and b = √(d²−(r_P−r_S)²), by Newton's method; its derivative is
-    2(π−φ) + 2 i φ exactly."""
+    """Radius of the ring's centre line on the primary pulley, m. Solves the closure of the belt, L = 2b + 2 r_P(π−φ) + 2 r_S φ with
+    r_S = i r_P, φ = arccos((r_P−r_S)/d) and b = √(d²−(r_P−r_S)²), by Newton's method with its derivative 2(π−φ) + 2 i φ."""
     ratio = ratio_of(theta)
     if not ratio > 0.0:
         raise ArgumentError(f"the ratio coordinate must be between −1 and 1, not {theta}")

@@ -48,14 +48,12 @@ class Variable:
     @classmethod
     def of(cls, declared: Any) -> Variable:
         """A variable of a model description that fmpy has read."""
-        reads: dict[str, Callable[[Any], float]] = {"Boolean": lambda text: str(text).lower() in ("true", "1"), "Integer": int, "Enumeration": int}
-        read = reads.get(declared.type, float)
         low, high, nominal = (None if text is None else float(text) for text in (declared.min, declared.max, declared.nominal))
         items = declared.declaredType.items if declared.type == "Enumeration" else ()
         return cls(
             name=declared.name, type=declared.type, causality=declared.causality, variability=declared.variability,
             unit=declared.unit or "1", description=declared.description or "",
-            start=None if declared.start is None else read(declared.start),
+            start=None if declared.start is None else _read(declared, declared.start)[0],
             min=low, max=high, nominal=nominal, items={one.name: int(one.value) for one in items},
         )  # fmt: skip
 
@@ -165,11 +163,10 @@ def read_ssv(path: Path, variables: Mapping[str, Any]) -> dict[str, float]:
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
-    """Writes a copy of an FMU with other start values, which must be checked before. The file is written completely or
-    not at all. The values are in the model description for importers, and in a list that the library reads, for
-    importers that do not set start values. Start values of an earlier copy remain unless they are specified again. The
-    GUID is the copy's own: the library does not run it without its list, and importers that remember FMUs by their GUID
-    tell copies apart."""
+    """Writes a copy of an FMU with other start values, which must be checked before, completely or not at all. The values are in the model
+    description for importers, and in a list that the library reads, for importers that do not set start values. Those of an earlier copy
+    remain unless they are specified again. The GUID is the copy's own: the library does not run it without its list, and importers that
+    remember FMUs by their GUID tell copies apart."""
     with zipfile.ZipFile(fmu) as source:
         listed = _listed(source) | {name: _written(value) for name, value in values.items()}
     lines = [f"{name} = {value}" for name, value in listed.items()]

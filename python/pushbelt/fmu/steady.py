@@ -4,8 +4,6 @@ another on one instance of the FMU. Forces are whole ones: a cylinder with an ar
 Enumerations are plain numbers, for workers that do not have this package.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 
@@ -72,10 +70,8 @@ class SteadyStates(AbstractContextManager["SteadyStates"]):
         return self._unit
 
     def at(self, values: Mapping[str, float], near: bytes | bool = False) -> Instance:
-        """The instance in the steady state of the parameters and these start values. Raises UnitError with the reason
-        if there is none.
-
-        It is first sought near a stored state of `started`, or near the state before if `near` is True."""
+        """The instance in the steady state of the parameters and these start values, first sought near a stored state of `started`, or
+        near the state before if `near` is True. Raises UnitError with the reason if there is none."""
         unit = self.started(values, near)
         if unit.not_steady:
             raise UnitError(unit.not_steady)

@@ -41,11 +41,6 @@ class UnitError(PushbeltError, RuntimeError):
     """A call of the FMU failed. The message contains the log of the FMU."""
 
 
-class Message(NamedTuple):
-    status: int  # `fmi2Status`
-    text: str
-
-
 @dataclass(frozen=True)
 class Archive(AbstractContextManager["Archive"]):
     """An unpacked FMU. It is a context manager, which removes the directory at its end."""
@@ -55,8 +50,7 @@ class Archive(AbstractContextManager["Archive"]):
 
     @classmethod
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
-        """Unpacks an FMU to a directory, or to a temporary one. Raises InputFileError if it is not a usable FMU,
-        OSError if it cannot be read."""
+        """Unpacks an FMU to a directory, or a temporary one. Raises InputFileError for an unusable FMU, OSError if it cannot be read."""
         description = described(fmu)
         with named(fmu):
             return cls(Path(fmpy.extract(str(fmu), directory)), description)
@@ -89,13 +83,13 @@ class Reals(NamedTuple):
 class Instance(AbstractContextManager["Instance"]):
     """One instance of the FMU. It is a context manager, which frees the instance at its end."""
 
-    _logs: ClassVar[dict[int, list[Message]]] = {}
-    """Logs of the existing instances, by the environment that their messages contain."""
+    _logs: ClassVar[dict[int, list[tuple[int, str]]]] = {}
+    """Logs of the existing instances, `fmi2Status` and text of each message, by the environment that their messages contain."""
 
     def __init__(self, archive: Archive, start_values: Mapping[str, float]) -> None:
         self._instance = _instance(archive)
         self.variables = archive.variables
-        self.log: list[Message] = []
+        self.log: list[tuple[int, str]] = []
         self.time = 0.0
         self._freed = False
         self._callbacks = fmi2.fmi2CallbackFunctions()
@@ -140,7 +134,7 @@ class Instance(AbstractContextManager["Instance"]):
 
     @property
     def warnings(self) -> list[str]:
-        return [message.text for message in self.log if message.status == fmi2.fmi2Warning]
+        return [text for status, text in self.log if status == fmi2.fmi2Warning]
 
     @property
     def not_steady(self) -> str | None:
@@ -206,8 +200,6 @@ class Instance(AbstractContextManager["Instance"]):
         names = {name: [f"profile.{field}[{k + 1}]" for k in range(PROFILE_POINTS)] for name, field in PROFILE_FIELDS.items()}
         return Profile(**{name: self.get_reals(self.reals(places)) for name, places in names.items()})
 
-    # Beyond the standard
-
     def _reset_near(self) -> None:
         function = self._instance.dll.pushbeltResetNear
         function.argtypes = [ctypes.c_void_p]
@@ -251,13 +243,13 @@ class Instance(AbstractContextManager["Instance"]):
         try:
             return function(*arguments, **keywords)
         except Exception as error:
-            errors = [message.text for message in self.log[before:] if message.status > fmi2.fmi2Warning]
+            errors = [text for status, text in self.log[before:] if status > fmi2.fmi2Warning]
             raise UnitError("; ".join(errors) or str(error)) from error
 
     def _record(self, environment: int, _instance: Any, status: int, _category: bytes, message: bytes) -> None:
         log = self._logs.get(environment)
         if log is not None:
-            log.append(Message(status, message.decode("utf-8", errors="replace")))
+            log.append((status, message.decode("utf-8", errors="replace")))
 
 
 class _Lock:
@@ -294,9 +286,8 @@ def _instance(archive: Archive) -> fmi2.FMU2Slave:
 
 
 def binaries_of(directory: Path) -> Path | None:
-    """The folder of an unpacked FMU with the binaries for this processor and system; None if there is none. FMI 2.0.4
-    and later name it as FMI 3.0 does, such as `aarch64-linux`. The older names mean x86-64; only on macOS they had
-    libraries of both processors."""
+    """The folder of an unpacked FMU with the binaries for this processor and system; None if there is none. FMI 2.0.4 and later name it as
+    FMI 3.0 does, such as `aarch64-linux`. The older names mean x86-64; only on macOS they had libraries of both processors."""
     names = [fmpy.platform_tuple]
     if fmpy.platform_tuple not in ("aarch64-linux", "aarch64-windows"):
         names.append(fmpy.platform)

@@ -1,7 +1,5 @@
 """Files from untrusted sources: archives and JSON are checked before use, and each problem is reported as one error."""
 
-from __future__ import annotations
-
 import json
 import math
 import re
@@ -72,23 +70,20 @@ def described(path: Path) -> Any:
 
 @contextmanager
 def named(path: Path, what: str = "a usable FMU") -> Iterator[None]:
-    """Adds the file name, and what it should be, to every error. All exceptions are caught, because fmpy, lxml and zipfile have no common base class."""
+    """Adds the file name, and what it should be, to every error, in a line: those of fmpy, lxml and zipfile have no common base class."""
     try:
         yield
     except OSError:
         raise
     except Exception as error:
-        raise InputFileError(f"{path} is not {what}: {_in_a_line(error)}") from error
+        text = " ".join(str(error).split())[:300] or type(error).__name__
+        raise InputFileError(f"{path} is not {what}: {text}") from error
 
 
 def read_json(path: Path) -> Any:
     """The content of a JSON file. Raises InputFileError if it is not JSON, OSError if it cannot be read."""
-    try:
+    with named(path, "readable JSON"):
         return json.loads(path.read_bytes(), parse_constant=_no_constant)
-    except RecursionError:
-        raise InputFileError(f"{path} is not readable JSON: it is nested too deeply") from None
-    except ValueError as error:
-        raise InputFileError(f"{path} is not readable JSON: {_in_a_line(error)}") from error
 
 
 def _no_constant(name: str) -> float:
@@ -116,7 +111,3 @@ def read_parameters(path: Path) -> tuple[dict[str, Any], dict[str, float], str |
                 raise InputFileError(f"{path}: the deviation {found!r} of {name} is no number above 0")
             deviations[name] = float(found)
     return values, deviations, base
-
-
-def _in_a_line(error: Exception) -> str:
-    return " ".join(str(error).split())[:300] or type(error).__name__

@@ -5,15 +5,12 @@ the primary torque is that of the belt; the secondary bearings have a reference 
 whole is at rest, so the contact forces on both pulleys have the same resultant.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -52,8 +49,7 @@ SHOWN = {"thrustRatio": "thrustRatio", "slip": "slip", "efficiency": "efficiency
 """Quantities with standard deviations and derivatives, and the outputs that these are of."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """Secondary clamping force (N), primary speed (rad/s) and geometric ratio."""
 
     force: float
@@ -61,8 +57,7 @@ class Line:
     ratio: float
 
 
-@dataclass(frozen=True)
-class Along:
+class Along(NamedTuple):
     utilisations: Sequence[float]
     """Belt torque on the primary pulley / (2 μ r_P F_S/cosβ), ascending; positive where the primary pulley drives."""
     shares: Sequence[float]
@@ -177,10 +172,9 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
 
 
 def shift_rates(states: SteadyStates, at: At, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
-    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess. The primary
-    speed is held, and the secondary shaft has the load torque of the steady state. The rate is the mean slope over the
-    window, which ends earlier if ln i has changed by `SHIFT_REACH`; then it is the slope in the second half of the
-    time."""
+    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess. The primary speed is held, and the
+    secondary shaft has the load torque of the steady state. The rate is the mean slope over the window. It ends earlier if ln i has
+    changed by `SHIFT_REACH`: then it is that of the second half of the time."""
     load = at(driven_at(states, line, utilisation)).get("secondary.externalTorque")
     unit = at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
     holding = unit.get("primary.axialForce")

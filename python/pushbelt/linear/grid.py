@@ -9,13 +9,11 @@ from __future__ import annotations
 
 import json
 import os
-import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +22,7 @@ from ..arguments import checks, mapping, number, refused
 from ..arguments import path as a_path
 from ..errors import ArgumentError, package
 from ..fmu.results import dataframe
-from ..fmu.untrusted import InputFileError
+from ..fmu.untrusted import named
 from .model import Array, LinearModel
 from .physical import sorted_poles
 
@@ -92,8 +90,7 @@ def interpolated(models: Sequence[tuple[LinearModel, float]]) -> LinearModel:
 
 
 def _parts(model: LinearModel) -> tuple[Array, ...] | None:
-    """λ, ℓ with the coefficient 1 of the first state, r, ℓ B, C r, and A, B and C of the slow rest; None if no pole is much faster than
-    the others."""
+    """λ, ℓ with the coefficient 1 of the first state, r, ℓ B, C r, and A, B and C of the slow rest; None if no pole is much faster."""
     poles = model.poles
     if len(poles) < 2 or poles[-1].imag != 0.0 or abs(poles[-1]) < FASTER * abs(poles[-2]):
         return None
@@ -217,8 +214,7 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
     Raises InputFileError for any other file, MissingFileError or FileError if it cannot be read.
     """
     path = Path(path)
-    path.open("rb").close()
-    try:
+    with named(path, "a file of linear models"):
         with np.load(path, allow_pickle=False) as file:
             document = json.loads(str(file["document"]))
         axes = {name: np.array(values, dtype=float) for name, values in document["axes"].items()}
@@ -230,9 +226,6 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
             else:
                 models[place] = LinearModel.of(one)
         return LinearGrid(axes, models, reasons)
-    # Readers of other and of damaged files raise any of these.
-    except (LookupError, ValueError, TypeError, AttributeError, EOFError, OSError, NotImplementedError, BadZipFile, zlib.error) as error:
-        raise InputFileError(f"{path} does not contain linear models: {error}") from error
 
 
 def _arrays(model: LinearModel) -> dict[str, Any]:

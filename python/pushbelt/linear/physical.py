@@ -10,8 +10,6 @@ x, and to w = ż/|λ| − p B u/|λ| of the pair's share z = p ξ of x, in the d
 ẇ = −|λ| z + 2 Re λ w + …, becomes a lag with the pole −|λ| and the same static gain. The slower poles and all static gains are exact.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -85,8 +83,6 @@ def sorted_poles(a: Array) -> NDArray[np.complex128]:
 
 def _quasi_static(a: Array, b: Array, c: Array, d: Array, n: int) -> tuple[Array, Array, Array, Array]:
     """The matrices without the states after the first n, whose derivatives are set to zero."""
-    if len(a) == n:
-        return a, b, c, d
     gone = np.linalg.solve(a[n:, n:], np.hstack([a[n:, :n], b[n:]]))
     of_states, of_inputs, coupling = gone[:, :n], gone[:, n:], a[:n, n:]
     return a[:n, :n] - coupling @ of_states, b[:n] - coupling @ of_inputs, c[:, :n] - c[:, n:] @ of_states, d - c[:, n:] @ of_inputs

@@ -119,7 +119,6 @@ def write(grid: LinearGrid, options: argparse.Namespace) -> int:
         return 1
     if refused:
         print(f"no linear model at {len(refused)} of {len(refused) + len(found)} points", file=sys.stderr)
-    options.output.mkdir(parents=True, exist_ok=True)
     path = report.write(grid, options.output, options.outputs.split(","), options.time)
     for name in FILES:
         grid.save(options.output / name)

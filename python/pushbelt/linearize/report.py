@@ -18,14 +18,12 @@ LOWEST = 0.01  # Lowest frequency of the Bode plots, Hz
 UNITS = {"ratio": "", "torque": "N·m", "speed": "rad/s", "force": "N"}
 SHOWN_POLES = 4
 MOST_DASHED = 4  # Largest number of values of the axis with colours, if another one has dashes
-
-
 Drawn = tuple[dict[str, Any], LinearModel]  # A point in the figures: name, colour and dash of its lines, and its model
 
 
 def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -> Path:
     """Writes the report and returns its path. Raises KeyError for an output that the models do not have."""
-    found, path = list(grid.points()), folder / "report.html"
+    found = list(grid.points())
     drawn = [(look, model.select(outputs)) for look, model in chosen(grid)]
     context = {
         "points": [(title(grid, point), model, ", ".join(map(pole, model.poles[model.poles.imag >= 0.0][:SHOWN_POLES]))) for point, model in found],
@@ -33,8 +31,7 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
         "charts": list(charts(drawn, time)),
         "first": found[0][1], "drawn": len(drawn),
     }  # fmt: skip
-    page.write_html("linearize/linearize.html.j2", context, path)
-    return path
+    return page.write_html("linearize/linearize.html.j2", context, folder / "report.html")
 
 
 def chosen(grid: LinearGrid) -> list[Drawn]:

@@ -3,7 +3,6 @@
 import base64
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from markupsafe import Markup
@@ -29,19 +28,6 @@ OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius")
 """Outputs of a run that its belt is drawn from, besides `SPEEDS` and the profiles."""
 
 
-@dataclass(frozen=True)
-class Motion:
-    """States of the belt over time. Arrays have one row per time, and one column per place of the profile for fields."""
-
-    time: Array
-    force: Array  # Push force, or tension of a chain, N
-    offset: Array  # Distance of the ring from its reference curve, outward positive, m
-    gap: Array  # Gap between neighbouring elements, m
-    radii: Array  # Radii of the reference curve on S and P, m
-    angles: Array  # Angles of rotation of S and P, rad
-    way: Array  # Displacement of the belt, m
-
-
 def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) -> Array:
     """Distance of the belt from its reference curve at the points of the profile, outward positive, m. On an arc the
     profile is relative to the arc's mean radius, which differs slightly from the radius of the reference curve."""
@@ -52,27 +38,9 @@ def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) ->
     return offset
 
 
-def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], run: Trace | None = None) -> Motion:
-    """States by their times. Pulleys and belt turn by the speeds of the run, or else by those of the states."""
-    time, shown = np.array(sorted(states)), [states[moment] for moment in sorted(states)]
-    run = run or Trace(time, {name: np.array([state[name] for state in shown]) for name in SPEEDS})
-    curves = [curve_of(parameters, state["reference.theta"]) for state in shown]
-    primary, secondary, way = (np.interp(time, run.time, cumulative_trapezoid(run[name], run.time, initial=0.0)) for name in SPEEDS)
-    return Motion(
-        time=time,
-        force=np.array([getattr(state.profile, "ring_tension" if is_chain(parameters) else "push_force") for state in shown]),
-        offset=np.array([belt_offset(*one, parameters["belt.pitchOffset"]) for one in zip(shown, curves, strict=True)]),
-        gap=np.array([state.profile.gap for state in shown]),
-        radii=np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves]),
-        angles=np.stack([secondary, primary], axis=1), way=way,
-    )  # fmt: skip
-
-
-def of_run(run: Trace, profiles: Mapping[float, Profile], parameters: Mapping[str, float]) -> Motion:
+def of_run(run: Trace, profiles: Mapping[float, Profile]) -> dict[float, BeltState]:
     """The belt at the times of profiles of a run."""
-    outputs = {time: {name: float(np.interp(time, run.time, run[name])) for name in OUTPUTS} for time in profiles}
-    states = {time: BeltState(outputs[time], profile) for time, profile in profiles.items()}
-    return motion(states, parameters, run)
+    return {time: BeltState({name: float(np.interp(time, run.time, run[name])) for name in OUTPUTS}, one) for time, one in profiles.items()}
 
 
 def magnification(size: float, shown: float) -> int:
@@ -80,36 +48,45 @@ def magnification(size: float, shown: float) -> int:
     return max(step for step in ROUND if step <= max(shown / max(size, 1e-9), 1.0))
 
 
-def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None) -> Markup:
-    """The animation as an HTML fragment. `label` says what is shown; the colour is added to it. With `group` it shares the cursor of charts over time."""
+def belt_view(
+    states: Mapping[float, BeltState], parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None,
+    run: Trace | None = None,
+) -> Markup:  # fmt: skip
+    """The animation of states by their times as an HTML fragment. Pulleys and belt turn by the speeds of the run, or else by those of the
+    states. `label` says what is shown; the colour is added to it. With `group` it shares the cursor of charts over time."""
+    time, shown = np.array(sorted(states)), [states[moment] for moment in sorted(states)]
+    run = run or Trace(time, {name: np.array([state[name] for state in shown]) for name in SPEEDS})
+    primary, secondary, way = (np.interp(time, run.time, cumulative_trapezoid(run[name], run.time, initial=0.0)) for name in SPEEDS)
+    angles = np.stack([secondary, primary], axis=1)
+    curves = [curve_of(parameters, state["reference.theta"]) for state in shown]
+    radii = np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves])
+    gap = np.array([state.profile.gap for state in shown])
     distance, length, pitch = (parameters[name] for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset"))
+    offset = np.array([belt_offset(*one, pitch) for one in zip(shown, curves, strict=True)])
     thickness, chain = parameters.get("belt.elementThickness", ELEMENT_THICKNESS), is_chain(parameters)
-    together, force = (1, "tension") if chain else (ELEMENTS_TOGETHER, "push force")
-    label = f"{label}, coloured by {force}"
-    still = len(shown.time) == 2 and np.array_equal(shown.force[0], shown.force[1])
+    together, field, text = (1, "ring_tension", "tension") if chain else (ELEMENTS_TOGETHER, "push_force", "push force")
+    force = np.array([getattr(state.profile, field) for state in shown])
+    label = f"{label}, coloured by {text}"
     # The largest distance from the curve is about a third of the smaller radius.
-    scale = magnification(float(np.percentile(np.abs(shown.offset), 99.0, axis=1).max()), 0.3 * float(shown.radii.min()))
-    gap_scale = magnification(float(np.percentile(shown.gap, 99.0)), 0.75 * thickness)
-    rates = np.abs(np.diff(shown.angles, axis=0)) / np.diff(shown.time)[:, None]
-    pace = max(1.0, float(np.ptp(shown.time)) / LONGEST)
+    scale = magnification(float(np.percentile(np.abs(offset), 99.0, axis=1).max()), 0.3 * float(radii.min()))
+    gap_scale = magnification(float(np.percentile(gap, 99.0)), 0.75 * thickness)
+    rates = np.abs(np.diff(angles, axis=0)) / np.diff(time)[:, None]
+    pace = max(1.0, float(np.ptp(time)) / LONGEST)
     slow = float(f"{max(float(np.percentile(rates, 95.0)) * pace / (2.0 * np.pi * TURNS_A_SECOND), 1.0):.1g}")
-    reach = float(shown.radii.max() + scale * np.percentile(np.abs(shown.offset), 99.9))
-    most = max(float(np.percentile(shown.force, 99.8)), 1.0)
+    reach = float(radii.max() + scale * np.percentile(np.abs(offset), 99.9))
     data = {
-        "group": group, "steady": bool(still), "pace": pace, "slow": slow,
+        "group": group, "steady": len(time) == 2 and np.array_equal(*force), "pace": pace, "slow": slow,
         "distance": 1e3 * distance, "length": 1e3 * length, "pitchOffset": 1e3 * pitch, "reach": 1e3 * reach + 4.0,
-        "chain": chain, "force": force,
+        "chain": chain, "force": text,
         "count": round(length / (together * thickness)), "magnification": scale,
-        "gapScale": gap_scale / thickness, "most": most,
+        "gapScale": gap_scale / thickness, "most": max(float(np.percentile(force, 99.8)), 1.0),
         "colours": [[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in COLOUR_SCALE],
-        "time": encoded(shown.time), "radii": encoded(1e3 * shown.radii.ravel()), "angles": encoded(shown.angles.ravel()),
-        "way": encoded(1e3 * shown.way), "push": _whole(shown.force), "offset": _whole(1e3 * shown.offset), "gap": _whole(shown.gap),
+        "time": encoded(time), "radii": encoded(1e3 * radii.ravel()), "angles": encoded(angles.ravel()),
+        "way": encoded(1e3 * way), "push": _whole(force), "offset": _whole(1e3 * offset), "gap": _whole(gap),
     }  # fmt: skip
-    begin = shown.time[0] if start is None else start
-    value = round(STEPS * float((begin - shown.time[0]) / (shown.time[-1] - shown.time[0])))
-    text = json.dumps(data, separators=(",", ":"))
+    value = round(STEPS * float(((time[0] if start is None else start) - time[0]) / np.ptp(time)))
     shown_there = {"steps": STEPS, "value": value, "colours": COLOUR_SCALE, "gap_scale": gap_scale, "together": together}
-    return fragment("belt.html.j2", label=label, data=data, text=text, **shown_there)
+    return fragment("belt.html.j2", label=label, data=data, text=json.dumps(data, separators=(",", ":")), **shown_there)
 
 
 def _whole(values: Array) -> dict[str, object]:

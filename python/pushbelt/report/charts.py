@@ -122,21 +122,17 @@ class Chart:
     common_legend: bool = False  # Whether all panels share one legend
     least_width: int = 260  # Least width of a panel, px. Narrow pages have fewer panels per row.
 
-    def __html__(self) -> str:
-        return str(html(self))
+    def __html__(self) -> Markup:
+        of_panels = [panel_data(panel, self.linked) for panel in self.panels]
+        specification = {"linked": self.linked, "group": self.group, "commonLegend": self.common_legend, "panels": of_panels}
+        text = json.dumps(specification, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/")
+        return fragment("chart.html.j2", chart=self, data=text)
 
 
 def stack(rows: Sequence[tuple[str, Sequence[Series], dict[str, Any]]], x_label: str, **common: Any) -> list[Panel]:
     """Panels above each other over the same x, whose label the last one has. A row has a title, lines, and further settings of its panel."""
     labels = [""] * (len(rows) - 1) + [x_label]
     return [Panel(title, series, label, **{**common, **more}) for (title, series, more), label in zip(rows, labels, strict=True)]
-
-
-def html(chart: Chart) -> Markup:
-    of_panels = [panel_data(panel, chart.linked) for panel in chart.panels]
-    specification = {"linked": chart.linked, "group": chart.group, "commonLegend": chart.common_legend, "panels": of_panels}
-    text = json.dumps(specification, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/")
-    return fragment("chart.html.j2", chart=chart, data=text)
 
 
 def panel_data(panel: Panel, linked: bool = False) -> dict[str, Any]:

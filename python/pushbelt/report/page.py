@@ -59,8 +59,9 @@ def fragment(template: str, **values: Any) -> Markup:
     return Markup(_environment().get_template(template).render(values))
 
 
-def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Path | None = None, **filters: Any) -> None:
-    """Writes a page from a template. `template` is its path inside this package, or inside `folder`, and begins with the program's name."""
+def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Path | None = None, **filters: Any) -> Path:
+    """Writes a page from a template, and returns its path; a missing folder is made. `template` is its path inside this package, or inside
+    `folder`, and begins with the program's name."""
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
     origin = provenance.current(re.split("[/.]", template)[0])
     text = _environment(folder, **filters).get_template(template).render(context, machine=machine, origin=origin)
@@ -68,7 +69,9 @@ def write_html(template: str, context: Mapping[str, Any], path: Path, folder: Pa
         colours = {"ink": style.INK, "muted": style.MUTED, "grid": style.GRID}
         scripts = fragment("scripts.html.j2", **colours, plotly=packed_plotly(), notices=plotly_notices())
         text = text.replace("</main>", f"{scripts}</main>")
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
+    return path
 
 
 @functools.cache

@@ -42,17 +42,15 @@ def tick(amount: float) -> None:
 
 
 def run_all(calls: Sequence[Call], total: float, title: str, workers: int = 4) -> list[Any]:
-    """Results of the calls, in the order of the calls, which is also the order of their start. The first failure is
-    raised at once. `total` is the sum of all calls of `tick`. At most `workers` processes run at a time, and at most
-    one per processor."""
+    """Results of the calls, in their order, in which they also start. The first failure is raised at once. `total` is the sum of all calls
+    of `tick`. At most `workers` processes run at a time, and at most one per processor."""
     with progress_bar(total, title) as bar, worker_pool(max(1, min(os.cpu_count() or 1, workers))) as run:
         return run(calls, bar.update)
 
 
 @contextmanager
 def worker_pool(workers: int) -> Iterator[Callable[[Sequence[Call], Callable[[float], object]], list[Any]]]:
-    """Pool of processes for several rounds of calls. Yields the function that runs a round. After a failure, or Ctrl-C in this process, they
-    are ended at once."""
+    """Pool of processes for several rounds of calls. Yields the function that runs a round. A failure or Ctrl-C here ends them at once."""
     context = multiprocessing.get_context("spawn")
     ticks, others = context.Queue(), set(multiprocessing.active_children())
     with ProcessPoolExecutor(workers, context, _prepare_worker, (ticks,)) as pool:

@@ -1,6 +1,2 @@
-"""Studies: many tasks for the FMU, such as points of a grid, on this machine or on a cluster.
-
-    tasks (`tasks`: FMU, parameters, points, identity) → `cluster` (dask) → `tasks.Solver` (the FMU, loaded once)
-
-`run.solve` does all of it and stores finished tasks, from which a study that was interrupted continues.
-"""
+"""Studies: many tasks for the FMU, such as points of a grid, on this machine or on a cluster: `tasks` (FMU, parameters, points, identity)
+→ `cluster` (dask) → `tasks.Solver` (the FMU, loaded once). `run.solve` does all of it, and continues from stored tasks."""

@@ -3,8 +3,6 @@
 A chunk is a list of numbered tasks. A worker solves it by the method `solver.solve` of a plugin, which returns a row for each task.
 """
 
-from __future__ import annotations
-
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -104,9 +102,8 @@ def shipped(client: Client, fmu: bytes, load: Callable[[Archive], Any], *modules
 
 
 def rows(client: Client, solve: Callable[[Chunk], Rows], chunks: Iterable[Chunk]) -> Iterator[Rows]:
-    """Rows of the chunks in the order of completion. Chunks of a lost worker are sent to another one. A chunk that repeatedly loses its
-    worker is split: its points are solved at the end, one at a time, so that the point that crashes the worker is identified. Its reason is
-    `WORKER_LOST`."""
+    """Rows of the chunks in the order of completion. Chunks of a lost worker are sent to another one. The points of a chunk that repeatedly
+    loses its worker are solved at the end, one at a time. The reason of the one that crashes the worker is `WORKER_LOST`."""
     given = {client.submit(solve, chunk, pure=False): chunk for chunk in chunks}
     suspects: list[tuple[int, Any]] = []
     # With results: one that is lost with its worker before it is here is computed again.

@@ -72,13 +72,11 @@ def solve(
     tasks: Tasks, folder: Path, *, scheduler: Any = None, workers: int | None = None, chunk: int = 1, anew: bool = False,
     progress: Callable[[int, int, int], object] = lambda *_: None,
 ) -> dict[int, Row]:  # fmt: skip
-    """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them,
-    unless `anew`. `scheduler` is the address of a dask scheduler, or a cluster of dask. By default `workers` local
-    processes are started, one per processor. A program that starts them needs the guard `if __name__ == "__main__":`.
-    `progress` is called at the beginning and after each chunk, with the numbers of finished tasks, including earlier runs, of those among them
-    without a result, and of workers. Tasks that lost their workers are not stored; the
-    next run tries them again. Raises ClusterError if the cluster cannot be reached or is lost. Finished tasks remain
-    stored."""
+    """Rows of all tasks by their numbers. Finished ones are stored in `folder`; the same tasks continue from them, unless `anew`.
+    `scheduler` is the address of a dask scheduler, or a cluster of dask. By default `workers` local processes are started, one per
+    processor; a program that starts them needs the guard `if __name__ == "__main__":`. `progress` is called at the beginning and after
+    each chunk, with the numbers of finished tasks, including earlier runs, of those among them without a result, and of workers. Tasks
+    that lost their workers are not stored; the next run tries them again. Raises ClusterError if the cluster is not reached or lost."""
     store = Store(folder, tasks)
     for path in store.folder.glob("tasks-*") if anew else ():
         path.unlink()

@@ -4,15 +4,13 @@ This module is sent to the workers with the procedure of the tasks and the modul
 packages `distributed`, `fmpy` and `numpy`, but not this project.
 """
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json
 import math
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -103,9 +101,10 @@ class Solver:
             self._idle.pop().close()
 
 
-def variator(name: str, model: str = "ALE", changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Parameters of a published variator (`bench168` or `belt155`) or of a file ….json, with a ring model and changes."""
-    return {**parameter_set(name), "ring.model": RingModel[model], **(changes or {})}
+def variator(name: str, model: str = "ALE", changes: Mapping[str, Any] | None = None, varied: Collection[str] = ()) -> dict[str, Any]:
+    """Parameters of a published variator (`bench168` or `belt155`) or a file ….json but the varied ones, with a ring model and changes."""
+    found = {**parameter_set(name), "ring.model": RingModel[model]}
+    return {key: value for key, value in found.items() if key not in varied} | dict(changes or {})
 
 
 def ascending(name: str, values: Sequence[float], *, positive: bool) -> tuple[float, ...]:

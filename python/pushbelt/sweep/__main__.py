@@ -3,8 +3,6 @@
 An interrupted study continues from its finished points.
 """
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import sys
@@ -17,9 +15,10 @@ from pushbelt import console
 from pushbelt.cli.options import add_reading, add_sensitivities, add_short, add_study, numbers, program, reading, sensitivities
 from pushbelt.errors import ArgumentError, require
 from pushbelt.fmu.unit import belt_described
+from pushbelt.study.tasks import variator
 
-from .design import AXIS_OF, Design, DesignError, Varied, crossed, listed, varied
-from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Grid, Study, variator, warnings_of
+from .design import AXIS_OF, Design, Varied, crossed, listed, varied
+from .study import AXES, CHUNK, DEFAULT, MEASURED, SHORT, Grid, Study, warnings_of
 
 
 def parser() -> argparse.ArgumentParser:
@@ -72,9 +71,9 @@ def _study(options: argparse.Namespace) -> Study:
     """A grid, or the design of --vary, --samples and --points. Axes given by their options are columns of it."""
     axes = {name: getattr(options, name) for name in AXES if getattr(options, name) is not None}
     if (options.vary or options.points or options.samples) and (options.measure or options.short):
-        raise DesignError("--vary, --samples and --points exclude --short and --measure")
+        raise ArgumentError("--vary, --samples and --points exclude --short and --measure")
     if options.points and (options.vary or options.samples or axes):
-        raise DesignError("--points has all columns: it excludes --vary, --samples and the axes")
+        raise ArgumentError("--points has all columns: it excludes --vary, --samples and the axes")
     if options.points:
         variables = {variable.name: variable for variable in belt_described(options.fmu).modelVariables}
         grid: Grid | Design

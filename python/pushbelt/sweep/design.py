@@ -4,19 +4,17 @@ Columns that are not varied have these values: ratio 1, utilisation 0.6, 2000 rp
 force, with pressure, spring and rotating oil, gives the torque of a utilisation.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pushbelt.cli.options import numbers
-from pushbelt.errors import PushbeltError
+from pushbelt.errors import ArgumentError
 from pushbelt.fmu.start_values import SETTABLE, StartValueError, checked
 from pushbelt.tables import sheet as sheets
 from pushbelt.tables import units
@@ -37,12 +35,7 @@ OF_RIGS = ("ratio.geometric", "primary.speed", "primary.torque", "primary.clampi
 MOST_POINTS = 1_000_000  # Largest number of points of a design
 
 
-class DesignError(PushbeltError, ValueError):
-    """A design that cannot be solved: an unknown column, a value out of range, or too many points."""
-
-
-@dataclass(frozen=True)
-class Varied:
+class Varied(NamedTuple):
     """A varied column: its values, or its range for a Latin hypercube."""
 
     name: str
@@ -64,12 +57,12 @@ class Points:
         return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
 
     def check(self, variables: Mapping[str, Any]) -> None:
-        """Raises DesignError for a column that is no parameter or input of the FMU, or a value out of its range."""
+        """Raises ArgumentError for a column that is no parameter or input of the FMU, or a value out of its range."""
         for number, point in enumerate(self.points(), 1):
             try:
                 checked(variables, {name: value for name, value in point.items() if name != UTILISATION}, SETTABLE)
             except StartValueError as error:
-                raise DesignError(f"point {number} of the design: {error}") from None
+                raise ArgumentError(f"point {number} of the design: {error}") from None
 
 
 @dataclass(frozen=True)
@@ -82,17 +75,14 @@ class Design(Points):
 
     def __post_init__(self) -> None:
         if not self.columns or not self.rows:
-            raise DesignError("the design has no points")
+            raise ArgumentError("the design has no points")
         if doubled := sorted({name for name in self.columns if self.columns.count(name) > 1}):
-            raise DesignError(f"{', '.join(doubled)} is in the design twice")
+            raise ArgumentError(f"{', '.join(doubled)} is in the design twice")
         if {"utilisation", "primary.torque"} <= set(self.columns):
-            raise DesignError("utilisation and primary.torque determine each other: vary one of them")
+            raise ArgumentError("utilisation and primary.torque determine each other: vary one of them")
         for line, row in enumerate(self.rows, 1):
             if len(row) != len(self.columns) or not all(map(math.isfinite, row)):
-                raise DesignError(f"point {line} of the design is not complete: {row}")
-
-
-# Reading
+                raise ArgumentError(f"point {line} of the design is not complete: {row}")
 
 
 def varied(text: str) -> Varied:
@@ -107,19 +97,19 @@ def varied(text: str) -> Varied:
             return Varied(name, span=(low, high))
     except ValueError:
         pass
-    raise DesignError(f"--vary {text} is not of the form NAME=A,B,C, NAME=LOW:HIGH:N or, with --samples, NAME=LOW:HIGH")
+    raise ArgumentError(f"--vary {text} is not of the form NAME=A,B,C, NAME=LOW:HIGH:N or, with --samples, NAME=LOW:HIGH")
 
 
 def crossed(columns: Sequence[Varied], samples: int | None = None, seed: int = 0) -> Design:
     """All combinations of the lists of values. With `samples`, each of them with a Latin hypercube over the ranges."""
     lists, ranges = ([column for column in columns if (column.span is not None) == wanted] for wanted in (False, True))
     if ranges and samples is None:
-        raise DesignError(f"{ranges[0].name} has a range: add a number of values, LOW:HIGH:N, or --samples")
+        raise ArgumentError(f"{ranges[0].name} has a range: add a number of values, LOW:HIGH:N, or --samples")
     if samples is not None and not ranges:
-        raise DesignError("--samples requires --vary NAME=LOW:HIGH")
+        raise ArgumentError("--samples requires --vary NAME=LOW:HIGH")
     sampled: Sequence[tuple[float, ...]] = [()] if samples is None else _hypercube(ranges, samples, seed)
     if len(sampled) * math.prod(len(column.values) for column in lists) > MOST_POINTS:
-        raise DesignError(f"the design has more than {MOST_POINTS} points")
+        raise ArgumentError(f"the design has more than {MOST_POINTS} points")
     combinations = itertools.product(*(column.values for column in lists))
     rows = tuple((*combination, *sample) for combination in combinations for sample in sampled)
     return Design("grid" if samples is None else "Latin hypercube", tuple(column.name for column in [*lists, *ranges]), rows)
@@ -130,30 +120,27 @@ def _hypercube(ranges: Sequence[Varied], samples: int, seed: int) -> list[tuple[
     from scipy.stats import qmc
 
     if samples < 2:
-        raise DesignError("a Latin hypercube needs at least 2 samples")
+        raise ArgumentError("a Latin hypercube needs at least 2 samples")
     unit = qmc.LatinHypercube(len(ranges), rng=seed).random(samples)
     return list(map(tuple, qmc.scale(unit, *zip(*(column.span for column in ranges if column.span), strict=True)).tolist()))
 
 
 def listed(path: Path, variables: Mapping[str, Any], reading: Reading | None = None) -> tuple[Design, list[str]]:
     """A list of points from a table with the FMU's names in its header, and remarks on what is not read. Without a unit
-    a column is in SI. Raises DesignError with all faults of the table, OSError if it cannot be read."""
-    try:
-        sheet = sheets.read(path, _known(variables), reading)
-        names = [name for name in sheet.taken if name == UTILISATION or (name in variables and variables[name].causality in SETTABLE)]
-        sheet.check()
-        if not names:
-            raise TableError("no column is a parameter or an input of the FMU", path)
-        sheet.faults += [
-            Fault("the cell has no value", int(sheet.lines[row]), sheet.title(name))
-            for name in names
-            for row in np.flatnonzero(np.isnan(sheet.values[name]))
-        ]
-        sheet.check()
-        if not len(sheet):
-            raise TableError(sheet.left_out or "there are no points below the header", path)
-    except TableError as error:
-        raise DesignError(str(error)) from error
+    a column is in SI. Raises TableError with all faults of the table, OSError if it cannot be read."""
+    sheet = sheets.read(path, _known(variables), reading)
+    names = [name for name in sheet.taken if name == UTILISATION or (name in variables and variables[name].causality in SETTABLE)]
+    sheet.check()
+    if not names:
+        raise TableError("no column is a parameter or an input of the FMU", path)
+    sheet.faults += [
+        Fault("the cell has no value", int(sheet.lines[row]), sheet.title(name))
+        for name in names
+        for row in np.flatnonzero(np.isnan(sheet.values[name]))
+    ]
+    sheet.check()
+    if not len(sheet):
+        raise TableError(sheet.left_out or "there are no points below the header", path)
     rows = tuple(tuple(map(float, row)) for row in np.column_stack([sheet.values[name] for name in names]))
     outputs = [one.title for name, one in sheet.taken.items() if name not in names]
     remarks = [

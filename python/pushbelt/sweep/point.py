@@ -4,8 +4,6 @@ The secondary pulley turns at ω_P/i. The primary pulley is driven by the torque
 is held at the ratio. Shaft torque and clamping force are exact; the primary speed differs by the slip.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import partial

@@ -1,7 +1,5 @@
 """The report of a study, one self-contained HTML file: maps of a grid; of a design rank correlations, and scatter over each varied column."""
 
-from __future__ import annotations
-
 import itertools
 from collections import Counter
 from collections.abc import Mapping
@@ -44,8 +42,7 @@ def _numbers(table: pa.Table) -> pandas.DataFrame:
 
 
 def data_set(grid: Points, table: pa.Table) -> xarray.Dataset:
-    """The numbers of the results over the axes of a grid, or over the points of a design, NaN where there is no steady state, and
-    the mask `steady`."""
+    """The numbers of the results over the axes of a grid or the points of a design, NaN without a steady state, and the mask `steady`."""
     numbers = _numbers(table)
     if isinstance(grid, Grid):
         axes = {name: getattr(grid, name) for name in AXES}
@@ -187,8 +184,7 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
         "columns_of_points": [(name, about[name]["unit"], _values(numbers[name])) for name in names],
     }  # fmt: skip
     own = _of_design(study.grid, numbers, about) if isinstance(study.grid, Design) else _of_grid(results)
-    write_html("sweep/sweep.html.j2", context | own, path := folder / "report.html")
-    return path
+    return write_html("sweep/sweep.html.j2", context | own, folder / "report.html")
 
 
 def _values(column: pandas.Series) -> str:

@@ -1,7 +1,5 @@
 """Results of a study: a table with units and descriptions, in a Parquet file."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping

@@ -1,10 +1,8 @@
 """A study: an FMU, parameters, and a grid or another design of working points."""
 
-from __future__ import annotations
-
 import itertools
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -13,11 +11,10 @@ from pushbelt.errors import ArgumentError
 from pushbelt.fmu import bands, capacity, closing, gradients, steady
 from pushbelt.fmu.gradients import Asked
 from pushbelt.fmu.start_values import checked
-from pushbelt.study import tasks
 from pushbelt.study.tasks import Tasks, ascending, spread
 
 from . import point
-from .design import Design, DesignError, Points
+from .design import Design, Points
 from .point import Point, start_values
 
 CHUNK = 8
@@ -95,7 +92,7 @@ class Study(Tasks):
         self.grid.check(self.variables)
         fixed = {"initial.equilibrium", *steady.driven_by_torque({}, 1.0, 1.0, 0.0, 1.0)}
         if taken := parameters.keys() & {*self.grid.columns, *fixed}:
-            raise DesignError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
+            raise ArgumentError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
         given = any("initial.equilibrium" in point.ACTING.get(name, ()) for name in self.grid.columns)
         object.__setattr__(self, "asked", self.asked.checked(self.variables, ["forces"] if given else gradients.HELD))
@@ -135,10 +132,3 @@ def warnings_of(study: Study) -> Iterator[str]:
             raise ArgumentError(found[0])
         if found:
             yield found[0] if len(found) == 1 else f"{found[0]} (and {len(found) - 1} more of {len(values)} points)"
-
-
-def variator(
-    name: str, model: str = "ALE", changes: Mapping[str, Any] | None = None, varied: Collection[str] = ("friction.pulley",)
-) -> dict[str, Any]:
-    """Parameters of a variator for a study, with changes and without the varied ones."""
-    return {key: value for key, value in tasks.variator(name, model, changes).items() if key not in varied or key in (changes or {})}

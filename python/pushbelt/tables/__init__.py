@@ -1,9 +1,6 @@
 """Tables. Here: CSV files that every program writes by `write`, with name and unit of each column in the one spelling
-`primary.speed [rad/s]`. In the modules: tables of rigs and of other tools.
-
-files (bytes → cells)   ┐
-names, numerals, units  ┴→ sheet (cells → columns in SI) → series (plateaus) → points (what is measured where) → plausible
-"""
+`primary.speed [rad/s]`. In the modules: tables of rigs and of other tools: files (bytes → cells), names, numerals, units → sheet (cells →
+columns in SI) → series (plateaus) → points (what is measured where) → plausible."""
 
 import csv
 import re
@@ -11,14 +8,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import PushbeltError
+from ..errors import ArgumentError
 
 SPELLING = re.compile(r"(?P<name>.+) \[(?P<unit>[^\[\]]+)\]")
 OF_A_VARIABLE = "[SI]"  # End of the title of a column whose rows are values of different variables
-
-
-class TitleError(PushbeltError, ValueError):
-    """A column of numbers has no unit."""
 
 
 def title(name: str, unit: str | None) -> str:
@@ -38,9 +31,8 @@ def split(text: str) -> tuple[str, str | None]:
 
 
 def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int | None = 9, remark: str | None = None) -> None:
-    """Writes a table as CSV. `digits` is the number of significant digits of floating-point numbers; None writes all. A
-    `remark` is the first line, after `#`. Raises TitleError if a column with floating-point numbers has no unit in its
-    title."""
+    """Writes a table as CSV; a missing folder is made. `digits` is the number of significant digits of floating-point numbers; None writes
+    all. A `remark` is the first line, after `#`. Raises ArgumentError if a column with floating-point numbers has no unit in its title."""
     header = list(header)
     without = {text for text in header if split(text)[1] is None}
 
@@ -48,9 +40,10 @@ def write(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digi
         if not isinstance(value, float):
             return value
         if title in without:
-            raise TitleError(f"{path.name}: the column {title} has no unit")
+            raise ArgumentError(f"{path.name}: the column {title} has no unit")
         return repr(float(value)) if digits is None else f"{value:.{digits}g}"
 
+    path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", encoding="utf-8", newline="") as file:
         if remark is not None:
             file.write(f"# {remark}\n")

@@ -1,7 +1,5 @@
 """Cells of a table file: CSV in any usual encoding and with any usual separator, a sheet of an .xlsx file, Parquet or MF4; gzip in any case."""
 
-from __future__ import annotations
-
 import codecs
 import csv
 import gzip
@@ -11,15 +9,14 @@ import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
+from ..errors import ArgumentError
 from .names import Names
-from .numerals import MISSING, Percent, TextError
-
-if TYPE_CHECKING:
-    import pandas as pd
+from .numerals import MISSING, Percent
 
 SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
 """Signs between columns, in the order of preference."""
@@ -45,25 +42,24 @@ class Cells(NamedTuple):
 
 
 def read(path: Path, names: Names, sheet: str | None = None, encoding: str | None = None) -> Cells:
-    """Cells of a file. The separator or the sheet is the one with most known names. Raises TextError if the file is not a
-    table, OSError if it cannot be read."""
+    """Cells of a file, by the separator or in the sheet with most known names. Raises ArgumentError for no table, OSError if unreadable."""
     size = path.stat().st_size
     if size > LARGEST:
-        raise TextError(f"the file has {size / 1e6:.0f} MB, above the limit of {LARGEST / 1e6:.0f} MB")
+        raise ArgumentError(f"the file has {size / 1e6:.0f} MB, above the limit of {LARGEST / 1e6:.0f} MB")
     data = path.read_bytes()
     if data.startswith(b"\x1f\x8b"):
         try:
             data = gzip.GzipFile(fileobj=io.BytesIO(data)).read(LARGEST + 1)
         except (OSError, EOFError, zlib.error) as error:
-            raise TextError(f"the file is not a whole gzip file: {error}") from error
+            raise ArgumentError(f"the file is not a whole gzip file: {error}") from error
         if len(data) > LARGEST:
-            raise TextError(f"the file has more than {LARGEST / 1e6:.0f} MB when it is unpacked")
+            raise ArgumentError(f"the file has more than {LARGEST / 1e6:.0f} MB when it is unpacked")
     if data.startswith((b"MDF ", b"UnFinMF ")):
         return _mf4(data, names)
     if data.startswith(b"PAR1"):
         return _parquet(data)
     if re.match(rb'(?:\xef\xbb\xbf)?\s*(?:[{\[]\s*["{\[\]}]|<(?:[?!]|html))', data[:200], re.IGNORECASE):
-        raise TextError(f"this is {'XML or HTML' if b'<' in data[:10] else 'JSON'}, not a table: {WANTED}")
+        raise ArgumentError(f"this is {'XML or HTML' if b'<' in data[:10] else 'JSON'}, not a table: {WANTED}")
     if data.startswith(b"PK\x03\x04"):
         return _spreadsheet(data, names, sheet)
     return _text(data, names, encoding)
@@ -73,18 +69,16 @@ def _decoded(data: bytes, encoding: str | None = None) -> tuple[str, str]:
     if encoding is None and data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
         encoding = "utf-16"
     if encoding is None and 0 in data[:4000]:
-        raise TextError(f"the file is not a table: it has bytes that no text has; {WANTED}")
+        raise ArgumentError(f"the file is not a table: it has bytes that no text has; {WANTED}")
     for candidate in [encoding] if encoding else ["utf-8-sig", "cp1252", "latin-1"]:
         try:
             return data.decode(candidate), candidate.removesuffix("-sig")
         except (UnicodeDecodeError, LookupError) as error:
             reason = error
-    raise TextError(f"the file is not text in {encoding}: {reason}")
+    raise ArgumentError(f"the file is not text in {encoding}: {reason}")
 
 
 def _text(data: bytes, names: Names, known: str | None) -> Cells:
-    import pandas as pd
-
     text, encoding = _decoded(data, known)
     guessed = encoding in ("cp1252", "latin-1") and known is None
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
@@ -93,7 +87,7 @@ def _text(data: bytes, names: Names, known: str | None) -> Cells:
     lines = _with_header(lines, names)
     shown = [line for line in lines if line.strip(' ,;|\t"')]
     if not shown:
-        raise TextError("the table is empty")
+        raise ArgumentError("the table is empty")
     # That by which the lines have most known names; among equals, that in most lines.
     rows = {sign: [_split(line, sign) for line in shown[:HEAD]] for sign in SEPARATORS}
     separator = max(rows, key=lambda one: (max(map(names.count, rows[one])), sum(len(row) > 1 for row in rows[one])))
@@ -142,13 +136,13 @@ def _with_header(lines: Sequence[str], names: Names) -> list[str]:
 
 @contextmanager
 def _reader(kind: str, package: str, extra: str) -> Iterator[None]:
-    """Errors of a package that reads files, such as `an .xlsx` file, as a TextError: they have no common base class."""
+    """Errors of a package that reads files, such as `an .xlsx` file, as an ArgumentError: they have no common base class."""
     try:
         yield
     except ImportError as error:
-        raise TextError(f"{kind} file requires the package {package}: pip install 'pushbelt[{extra}]'") from error
+        raise ArgumentError(f"{kind} file requires the package {package}: pip install 'pushbelt[{extra}]'") from error
     except Exception as error:
-        raise TextError(f"the file is not a readable {kind.split()[1]} file: {error}") from error
+        raise ArgumentError(f"the file is not a readable {kind.split()[1]} file: {error}") from error
 
 
 def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
@@ -157,26 +151,24 @@ def _spreadsheet(data: bytes, names: Names, wanted: str | None) -> Cells:
 
         book = openpyxl.load_workbook(io.BytesIO(data), data_only=True)
     if wanted is not None and wanted not in book.sheetnames:
-        raise TextError(f"there is no sheet {wanted}; there are {', '.join(book.sheetnames)}")
+        raise ArgumentError(f"there is no sheet {wanted}; there are {', '.join(book.sheetnames)}")
     sheets = [sheet for sheet in book.worksheets if wanted in (None, sheet.title)]
     hidden = [sheet.title for sheet in sheets if sheet.sheet_state != "visible" and wanted is None]
     found = {sheet.title: cells for sheet in sheets if len((cells := _sheet(sheet)).frame)}
     shown = [name for name in found if name not in hidden]
     if not shown:
-        raise TextError(f"all tables are in hidden sheets: --sheet reads one of {', '.join(hidden)}" if found else "the table is empty")
+        raise ArgumentError(f"all tables are in hidden sheets: --sheet reads one of {', '.join(hidden)}" if found else "the table is empty")
     counts = {name: max(map(names.count, found[name].head())) for name in shown}
     best = max(counts, key=lambda name: counts[name])
     same = [name for name, count in counts.items() if count == counts[best] >= LEAST_NAMES]
     if len(same) > 1:
-        raise TextError(f"the sheets {', '.join(same)} have the same columns: --sheet says which one is read")
+        raise ArgumentError(f"the sheets {', '.join(same)} have the same columns: --sheet says which one is read")
     others = [f"sheet {name} is {'hidden and ' * (name in hidden)}not read" for name in found if name != best]
     return found[best]._replace(remarks=(*others, *found[best].remarks))
 
 
 def _sheet(sheet: Any) -> Cells:
     """The cells of a sheet. Empty rows and remarks are left out, and rows of numbers that are hidden or struck out, which are named."""
-    import pandas as pd
-
     frame = pd.DataFrame([[*map(_cell, row)] for row in sheet.iter_rows()], dtype=object)
     texts = [[str(cell) for cell in row if str(cell) != ""] for row in frame.itertuples(index=False)]
     keep, unseen = [], {"hidden": [], "struck out": []}  # type: ignore[var-annotated]
@@ -201,8 +193,6 @@ def _cell(cell: Any) -> str | float:
 
 
 def _parquet(data: bytes) -> Cells:
-    import pandas as pd
-
     with _reader("a .parquet", "pyarrow", "parquet"):
         frame = pd.read_parquet(io.BytesIO(data), engine="pyarrow")
     if not isinstance(frame.index, pd.RangeIndex):
@@ -214,8 +204,6 @@ def _parquet(data: bytes) -> Cells:
 
 def _mf4(data: bytes, names: Names) -> Cells:
     """The channels with a known name, each at its own times."""
-    import pandas as pd
-
     columns, titles, unit_row = [], ["time"], ["s"]
     with _reader("an MDF", "asammdf", "mf4"):
         from asammdf import MDF
@@ -234,14 +222,12 @@ def _mf4(data: bytes, names: Names) -> Cells:
                     titles.append(title)
                     unit_row.append(signal.unit or "")
     if not columns:
-        raise TextError("no channel has a known name; --map says what a channel is")
+        raise ArgumentError("no channel has a known name; --map says what a channel is")
     return _cells([titles, unit_row], pd.concat(columns, axis=1).sort_index().reset_index(), "MDF")
 
 
 def _cells(head: list[list[str]], body: pd.DataFrame, source: str) -> Cells:
     """Cells below rows of titles; the lines count the rows of values."""
-    import pandas as pd
-
     body = body.astype(object).where(body.notna(), "")
     body = body.map(lambda cell: cell if isinstance(cell, (int, float, np.number)) and not isinstance(cell, bool) else str(cell).strip())
     frame = pd.concat([pd.DataFrame(head, dtype=object), body.set_axis(range(body.shape[1]), axis=1)], ignore_index=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import PushbeltError
+from ..errors import ArgumentError
 from .units import Unit
 
 if TYPE_CHECKING:
@@ -35,10 +35,6 @@ class Percent(float):
 
     def __str__(self) -> str:
         return f"{float(self):g}%"
-
-
-class TextError(PushbeltError, ValueError):
-    """The file is not a table, or its decimal sign cannot be determined. The message contains the reason."""
 
 
 def _pattern(decimal: str) -> re.Pattern[str]:
@@ -82,7 +78,7 @@ def numbers(cells: pd.Series, decimal: str) -> np.ndarray:
 
 
 def settle(cells: Iterable[str], separator: str = "", certainly: bool = False) -> str | None:
-    """The name of the decimal sign of a file from all its numbers. Raises TextError if both readings fit and differ. With
+    """The name of the decimal sign of a file from all its numbers. Raises ArgumentError if both readings fit and differ. With
     `certainly` it is None, unless all cells with digits are numbers with exactly one sign. `separator` is the sign between
     columns: a file with commas between its columns has no decimal comma without quotes."""
     texts = dict.fromkeys(cleaned(text) for text in cells if text.strip() and not missing(text))
@@ -98,7 +94,7 @@ def settle(cells: Iterable[str], separator: str = "", certainly: bool = False) -
     if not differing or points < len(known) or (separator == "," and not any("," in text for text in known)):
         return "point"
     point, comma = known[differing[0]]
-    raise TextError(
+    raise ArgumentError(
         f"'{differing[0]}' is {point:.10g} with a decimal point and {comma:.10g} with a decimal comma, and no number of the file settles it: "
         "specify --decimal point or --decimal comma"
     )

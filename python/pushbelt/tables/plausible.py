@@ -13,11 +13,11 @@ import numpy as np
 
 from ..fmu.capacity import BELT_SPEED, BEYOND
 from ..fmu.data import parameter_set, pitch_radius, torque_capacity
+from ..fmu.geometry import Array
 from . import units
 from .columns import POWER, SHIFTS
 from .sheet import MOST, Fault, Sheet, TableError, Taken
 
-Array = np.ndarray
 Values = Mapping[str, Array]
 
 USUAL = "bench168"

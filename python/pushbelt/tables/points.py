@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from ..fmu.closing import closing_force, sheave_position
-from . import plausible, series, units
+from ..fmu.geometry import Array
+from . import plausible, units
 from . import sheet as sheets
 from .columns import COLUMNS, CONDITIONS, HIGHEST, MEASURED, NAME, PARTS, POWER, QUANTITIES, RECORDED, REQUIRED, SAMPLED, SERIES, SHIFTS, STEP, SURE, TIME
 from .names import DEVIATION, same
 from .sheet import MEANT, MOST, Fault, Reading, Sheet, TableError, grouped
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)
@@ -85,6 +84,8 @@ def read(path: Path, reading: Reading | None = None, parameters: Mapping[str, fl
     except OSError as error:
         raise TableError(f"{path}: {error.strerror or error}") from error
     if SERIES not in sheet.taken and not sheet.faults:
+        from . import series
+
         sheet = series.averaged(sheet, TIME, STEP, tuple(CONDITIONS), NAME, reading.as_written)
     _add_accuracy(sheet, reading.accuracy)
     points = _Points(sheet, parameters)
@@ -167,7 +168,7 @@ class _Points:
         return np.full(len(self.sheet), other) if found is None else np.where(np.isfinite(found), found, other)
 
     def _force(self, pulley: str, other: str) -> None:
-        """The clamping force from the oil pressure, F = p A + F₀ − k z + c ω², as in the FMU without its seals."""
+        """The clamping force from the oil pressure, F = p A + F₀ − k z + c ω², as in the FMU at rest."""
         pressure, force = f"{pulley}.pressure", f"{pulley}.clampingForce"
         known = self.parameters
         speed: float | Array = 0.0

@@ -4,11 +4,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 
+from ..fmu.geometry import Array
+from ..fmu.results import intervals
 from .names import DEVIATION
 from .sheet import Fault, Sheet
-
-Array = np.ndarray
 
 MANY = 200  # Rows from which a table with times at most `RASTER` apart is a time series, also if it never rests
 RASTER = 2.0  # s
@@ -26,8 +27,6 @@ def averaged(sheet: Sheet, time: str, step: str, names: Sequence[str], name: str
     """A recording as a row for each plateau, with the standard errors; any other table as it is. `names` are the channels that are
     compared, `time` and `step` the columns of times and of the numbers of a program's steps, `name` that for the plateaus' names.
     Without times a recording can be taken `as_points`."""
-    import pandas as pd
-
     channels = {channel: sheet.values[channel] for channel in names if channel in sheet.values}
     texts = sheet.texts.get(step, np.empty(0))
     labels = np.cumsum(np.append(False, texts[1:] != texts[:-1])) if len(texts) else None  # Numbers that change where the step does
@@ -112,9 +111,8 @@ def _plateaus(even: Array, raw: Array, half: int) -> list[tuple[int, int]]:
     white = np.median(np.abs(np.diff(raw, axis=0)), axis=0) / 0.954 * np.sqrt(2.0 / half)
     limit = np.minimum(np.maximum(NOISE * usual, LEAST * level), np.maximum(LARGEST * level, NOISE * white))
     steady = (change <= limit).all(axis=1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], steady, [False]]).astype(int)))
-    spans = zip(edges[::2], edges[1::2], strict=True)
-    return [(start + half, end + half) for start, end in spans if end - start >= half]
+    spans = intervals(np.arange(len(steady)), steady)
+    return [(int(first) + half, int(last) + 1 + half) for first, last in spans if last + 1 - first >= half]
 
 
 def _drifts(values: Array, span: tuple[int, int]) -> bool:
@@ -129,8 +127,6 @@ def _rows(
     sheet: Sheet, times: Array, spans: Sequence[tuple[float, float]], time: str, name: str, channels: Iterable[str]
 ) -> tuple[Sheet, list[str]]:
     """A row for each span, with means and standard errors of the means; and each span in words, in the units of the file."""
-    import pandas as pd
-
     place = np.full(len(sheet), -1)
     for row, (start, end) in enumerate(spans):
         place[(times >= start) & (times < end)] = row

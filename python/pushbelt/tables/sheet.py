@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..errors import PushbeltError
-from . import files, numerals, units
-from .files import Cells
+from ..errors import ArgumentError, PushbeltError
+from ..fmu.geometry import Array
+from . import numerals, units
 from .names import DEVIATION, Column, Names, key, same, splits, turned
-from .numerals import TextError
 from .units import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = np.ndarray
+    from .files import Cells
+
 MOST = 0.5  # Share of a column's values with a fault from which the whole column has it; below, their rows are left out
 SHOWN = 12  # Largest number of faults that an error lists in full
 INDEX = frozenset({"", "#", "nr", "no", "index", "idx", "id", "row", "zeile", "unnamed0", "lfdnr", "point"})
@@ -162,23 +162,23 @@ class Sheet:
 def read(path: Path, columns: Mapping[str, Column], reading: Reading | None = None, misspelled: bool = True) -> Sheet:
     """Columns of a file. Faults are collected in the result; with `misspelled` a title close to a known name is one. Raises
     TableError if the file is not a table at all, OSError if it cannot be read."""
+    from . import files  # It needs pandas, which the help of a program does not.
+
     reading = reading or Reading()
     names = Names(columns, reading.renamed)
     try:
         return _Reader(path, files.read(path, names, reading.sheet, reading.encoding), names, reading, misspelled).read()
-    except TableError:
-        raise
-    except ValueError as error:  # A TextError, or pandas' ParserError.
+    except ValueError as error:  # An ArgumentError, or pandas' ParserError.
         raise TableError(str(error), path) from error
 
 
 def header(cells: Cells, names: Names) -> tuple[list[str], list[str], int, int, list[str]]:
-    """Titles, units, row of the titles, first row of values, and remarks. Raises TextError if the titles are below each other."""
+    """Titles, units, row of the titles, first row of values, and remarks. Raises ArgumentError if the titles are below each other."""
     head = cells.head()
     at = max(range(len(head)), key=lambda row: (names.count(head[row]), -row))
     titles = head[at]
     if any(names.count([row[k] for row in head]) > max(names.count(titles), 2.0) for k in range(min(2, len(titles)))):
-        raise TextError("the table is transposed: its titles are below each other. Exchange rows and columns")
+        raise ArgumentError("the table is transposed: its titles are below each other. Exchange rows and columns")
     for row in range(len(head) - 1):
         # Titles over two rows: primary, secondary above speed, torque.
         above = [next((cell for cell in head[row][k::-1] if cell), "") for k in range(len(head[row]))]
@@ -394,7 +394,7 @@ class _Reader:
         )
         try:
             return numerals.settle(first, certainly=True) or numerals.settle(every, self.cells.separator)
-        except TextError as error:
+        except ArgumentError as error:
             self.sheet.faults.append(Fault(str(error)))
             return None
 

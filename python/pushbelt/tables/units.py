@@ -98,8 +98,7 @@ SPELLED: Mapping[str, Mapping[str, float | Unit]] = {
     "force by squared speed": {"N.s2/rad2 N.s^2/rad^2": 1.0},
     "other": {"l/min l/h lpm cst mm2/s A mA V mV Hz kHz Wh kWh °f degf f dB °ca yyyy-mm-dd hh:mm:ss": 1.0},
 }
-"""Factors, and offsets, by dimension and spellings. The first unit is the FMU's. `other` has units that no column has, so that a row of
-units is recognised."""
+"""Factors, and offsets, by dimension and spellings. The first unit is the FMU's. `other` has units of no column, for rows of units."""
 CONFUSED: Mapping[str, str] = {
     "speed": "rpm rad/s Hz", "torque": "N.m kN.m mN.m", "force": "N kN daN MN", "pressure": "bar Pa kPa MPa",
 }  # fmt: skip
@@ -108,8 +107,7 @@ OF_FMU: Mapping[str, str] = {
     "N/m2": "stress", **{next(iter(groups)).split()[0]: dimension for dimension, groups in SPELLED.items()},
 }  # fmt: skip
 """Dimension by the unit of a variable of the FMU."""
-SIGNS = str.maketrans("−–—‐⁄÷º˚", "----//°°")
-"""Other signs for minus, slash and degree."""
+SIGNS = str.maketrans("−–—‐⁄÷º˚", "----//°°")  # Other signs for minus, slash and degree
 PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2"})
 """Units with the prefix milli or mega. With the prefix in the wrong case they have no certain meaning."""
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pushbelt.fmu.data import curve_at, load_case_speed, load_cases
+from pushbelt.fmu.data import curve_of, load_case_speed, load_cases
 from pushbelt.fmu.geometry import EDGE, ratio_of
 from pushbelt.fmu.results import BeltState
 from pushbelt.fmu.steady import driven_by_torque
@@ -83,7 +83,7 @@ class SpiralRunning:
 
 def spiral_running(state: BeltState, parameters: Mapping[str, float], pulley: str) -> SpiralRunning:
     """Spread on the arc of a pulley, simulated and predicted."""
-    curve, profile = curve_at(parameters, state), state.profile
+    curve, profile = curve_of(parameters, state["reference.theta"]), state.profile
     beta = parameters["geometry.wedgeAngle"]
     sheave = parameters[f"{pulley}.tiltStiffness"], parameters[f"{pulley}.tiltClearance"]
     force, radius = state[f"{pulley}.axialForce"], state[f"{pulley}.radius"]
