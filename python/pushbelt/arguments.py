@@ -1,4 +1,5 @@
-"""Checks of the arguments of public functions. A rule returns a value as the function takes it, or raises ArgumentError with one line."""
+"""Checks of the arguments of public functions. A rule returns a value as the function takes it, or raises ArgumentError with one line:
+which argument, which value, which range."""
 
 import functools
 import inspect

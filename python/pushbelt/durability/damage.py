@@ -138,7 +138,8 @@ def _bands(values: Array, unit: str) -> list[tuple[str, Array]]:
 
 
 def damage(table: Table, material: Material, parameters: Mapping[str, float]) -> Damage:
-    """Damage of a run. Raises TableError for an amplitude that no running ring has, or a mean or largest stress above the strength."""
+    """Damage of a run. Raises TableError by line and column for an amplitude that no running ring has, or a mean or largest
+    stress above the strength."""
     parts = cycles(table)
     low, most = AMPLITUDES
     limits = f"Pa is not within {low:g} to {most:g} Pa, as that of any ring that moves"

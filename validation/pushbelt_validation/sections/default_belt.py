@@ -36,9 +36,10 @@ TILT_TOLERANCE = 0.02
 """Relative tolerance of the tilt that the FMU reports, compared with the law under the moment of the points and with the fitted groove.
 An error of the force has little influence beyond the clearance, since most of the tilt is the clearance."""
 
-TURN_TOLERANCE = 5.0 * np.pi / 180.0
-"""Largest angle between the direction of the tilt and that of the moment of the points, rad. If 5 % of the axial force are missing at
-the border of an arc, a moment with a lever of 0.65 ϱ turns by 4.4°. The axial share of friction, μ tan β, adds up to 1°."""
+MISSING, TURN_TOLERANCE = 0.05, 5.0 * np.pi / 180.0
+"""Largest angle between the direction of the tilt and that of the moment of the points, rad, where the points have the axial force within
+`MISSING`. If 5 % of it are missing at the border of an arc, a moment with a lever of 0.65 ϱ turns by 4.4°. The axial share of friction,
+μ tan β, adds up to 1°."""
 
 SHAPE_TOLERANCE = 0.02
 """Largest remainder of the fit, relative to the spread."""
@@ -50,6 +51,8 @@ class SpiralRunning:
 
     axial_force: float
     """N."""
+    missing: float
+    """Share of it that the points do not have."""
     tilt: float
     """|ψ| by the law under the moment of the points, rad."""
     tilt_reported: float
@@ -105,8 +108,10 @@ def spiral_running(state: BeltState, parameters: Mapping[str, float], pulley: st
     turn = float(np.arctan2(moment[0] * psi[1] - moment[1] * psi[0], moment @ psi))
     by_law = groove[:, :2] @ (psi * (tilt / amount)) if amount > 0.0 else np.zeros_like(opening)
 
+    spacing, lead = profile.position[1] - profile.position[0], 1.0 - parameters["belt.pitchOffset"] / radius
     return SpiralRunning(
         force,
+        1.0 - float(pressing.sum()) * spacing * lead * np.cos(beta) / force,
         tilt,
         state[f"{pulley}.tilt"],
         amount,
@@ -160,12 +165,12 @@ def _mesh_checks(finer: Mapping[str, list[tuple[str, float | None]]]) -> list[Ch
 def _spiral_checks(running: list[tuple[str, SpiralRunning]]) -> list[Check]:
     spread = [(name, one.error) for name, one in running]
     tilts = [(name, error) for name, one in running for error in one.tilt_errors if one.tilts]
-    turns = [(name, one.turn) for name, one in running if one.tilts]
+    turns = [(name, one.turn) for name, one in running if one.tilts and abs(one.missing) <= MISSING]
     shapes = [(name, one.shape / one.found) for name, one in running]
     return [
         within("spiral-spread", "Spread of the running radius on an arc, by the law", OWN, spread, -TOLERANCE, TOLERANCE, PERCENT),
         within("spiral-tilt", "Tilt, by the law and by the shape of the groove", OWN, tilts, -TILT_TOLERANCE, TILT_TOLERANCE, PERCENT),
-        within("spiral-turn", "Direction of the tilt", OWN, turns, -TURN_TOLERANCE, TURN_TOLERANCE, DEGREES),
+        within("spiral-turn", "Direction of the tilt, where the points have the axial force within 5 %", OWN, turns, -TURN_TOLERANCE, TURN_TOLERANCE, DEGREES),
         within("spiral-shape", "Distance from the groove of a tilted cone over the spread", OWN, shapes, None, SHAPE_TOLERANCE, PERCENT),
     ]
 
