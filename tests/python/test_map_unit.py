@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import zipfile
@@ -22,8 +23,8 @@ from pushbelt.drive.cycle import CYCLES
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.vehicle import demo_car
-from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
-from pushbelt.fmu.steady import driven_by_torque
+from pushbelt.fmu.data import manoeuvre_inputs, parameter_set, torque_capacity
+from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.maps import unit as map_unit
 from pushbelt.maps.data import MapError, Maps
@@ -68,7 +69,7 @@ def test_tables_and_description_belong_together(map_fmu: Path, tmp_path: Path) -
         tables, described = archive.read(map_unit.TABLES_FILE), archive.read("modelDescription.xml")
     assert tables == map_unit.default_maps().read_bytes()
     other, copy, back = (tmp_path / f"{name}.fmu" for name in ("other", "copy", "back"))
-    same = tables.replace(b'"version":1', b'"version": 1', 1)
+    same = tables.replace(b'"version":2', b'"version": 2', 1)
     copy_archive(map_fmu, other, {}, {map_unit.TABLES_FILE: same})
     with Archive.unpack(other) as archive, pytest.raises(UnitError, match="belongs to another binary"):
         Instance(archive, {})
@@ -96,6 +97,26 @@ def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_arc
         power = abs(torque) * speed
         assert mapped["loss.total"] == pytest.approx(detailed["loss.total"], abs=0.006 * power)
         assert mapped["loss.shafts"] == pytest.approx(detailed["loss.shafts"], rel=0.01)
+
+
+SLIPPING = (0.6, -0.5, -0.3), (0.6, 0.8, -0.3), (1.6, 0.8, 0.3)  # Shifts in which the detailed belt slips through
+STEPS = [step for step in itertools.product((0.6, 1.0, 1.6), (-0.5, 0.0, 0.5, 0.8), (-0.3, 0.3)) if step not in SLIPPING]
+
+
+@pytest.mark.parametrize(("s", "share", "excess"), STEPS)
+def test_shifts_are_those_of_the_detailed_unit(s: float, share: float, excess: float, archive: Archive, maps_archive: Archive) -> None:
+    """At 12 kN and 200 rad/s, 60 to 120 ms after a change of ln F_P. The driven shaft is light: it does not load the belt."""
+    load, rates = -share * torque_capacity(parameter_set("bench168"), 1.0 / s, 12e3) / s, []
+    for unpacked in (archive, maps_archive):
+        with Instance(unpacked, driven_at_speed({"secondary.inertia": 0.003}, 1.0 / s, 200.0, load, 12e3)) as unit:
+            unit.initialise()
+            holding = unit.get("primary.axialForce") if unpacked is archive else 12e3 * unit.get("map.holdingThrustRatio")
+            unit.set({"primary.clampingForce": holding * np.exp(excess)})
+            unit.step_to(0.06)
+            begin = unit.get("ratio.geometric")
+            unit.step_to(0.12)
+            rates.append(np.log(unit.get("ratio.geometric") / begin))
+    assert rates[1] == pytest.approx(rates[0], rel=0.12)
 
 
 def manoeuvre_of(unpacked: Archive, duration: float) -> dict[str, np.ndarray]:
