@@ -266,7 +266,7 @@ def test_matlab_file_is_read_back(maps: Maps, folder: Path) -> None:
     found = loadmat(folder / "maps.mat")
     assert np.array_equal(found["tbl_thrustRatio"], maps["thrustRatio"].transpose(2, 3, 1, 0))
     assert found["bp_ratio"].ravel().tolist() == maps.axes["ratio"].tolist()
-    assert found["tbl_shiftGain"].shape == (3, 2, 2, 4)
+    assert found["tbl_shiftGain"].shape == (3, 4, 2, 2)
     assert [row[1][0] for row in found["names"] if row[0][0] == "tbl_slip"] == ["ratio,utilisation,speed,force"]
 
 
