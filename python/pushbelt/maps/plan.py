@@ -44,9 +44,9 @@ class Grid:
     slip_share: tuple[float, ...] = (-1.0, -0.6, -0.35, -0.15, -0.05, 0.0, 0.05, 0.15, 0.35, 0.6, 1.0)
     """Slips of the traction, divided by the slip at capacity."""
     torque_share: tuple[float, ...] = (
-        -1.0, -0.95, -0.85, -0.7, -0.5, -0.33, -0.16, 0.0, 0.16, 0.33, 0.5, 0.65, 0.78, 0.86, 0.92, 0.97, 1.0,
+        -1.0, -0.92, -0.8, -0.6, -0.4, -0.25, -0.16, -0.08, 0.0, 0.08, 0.16, 0.33, 0.5, 0.65, 0.78, 0.86, 0.92, 0.97, 1.0,
     )  # fmt: skip
-    """Torques of the states for the FMU of maps, divided by that at capacity, near which the thrust ratio falls steeply."""
+    """Torques of the states for the FMU of maps, divided by that at capacity. The thrust ratio is steep near 0 and near the capacity."""
     shift_utilisation: tuple[float, ...] = (-0.5, 0.0, 0.5, 0.8)  # Torque utilisations at which shifts are measured
     excess: tuple[float, ...] = (-0.9, -0.5, -0.25, -0.1, 0.0, 0.1, 0.25, 0.5, 0.9)
     """ln(F_P/(κ F_S)) of the shifts, with 0."""
