@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import re
 import zipfile
@@ -79,6 +78,8 @@ def test_tables_and_description_belong_together(map_fmu: Path, tmp_path: Path) -
     map_unit.write_tables(copy, back, tables)
     with zipfile.ZipFile(back) as archive:
         assert archive.read("modelDescription.xml") == described
+    # A byte-order mark, which an editor may add, does not change the token, as in the library.
+    assert map_unit.hash_of(b"\xef\xbb\xbf{}") == map_unit.hash_of(b"{}") != map_unit.hash_of(b"")
 
 
 def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_archive: Archive) -> None:
@@ -100,10 +101,10 @@ def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_arc
 
 
 SLIPPING = (0.6, -0.5, -0.3), (0.6, 0.8, -0.3), (1.6, 0.8, 0.3)  # Shifts in which the detailed belt slips through
-STEPS = [step for step in itertools.product((0.6, 1.0, 1.6), (-0.5, 0.0, 0.5, 0.8), (-0.3, 0.3)) if step not in SLIPPING]
+STEPS = {(s, share, excess) for s in (0.6, 1.0, 1.6) for share in (-0.5, 0.0, 0.5, 0.8) for excess in (-0.3, 0.3)}.difference(SLIPPING)
 
 
-@pytest.mark.parametrize(("s", "share", "excess"), STEPS)
+@pytest.mark.parametrize(("s", "share", "excess"), sorted(STEPS))
 def test_shifts_are_those_of_the_detailed_unit(s: float, share: float, excess: float, archive: Archive, maps_archive: Archive) -> None:
     """At 12 kN and 200 rad/s, 60 to 120 ms after a change of ln F_P. The driven shaft is light: it does not load the belt."""
     load, rates = -share * torque_capacity(parameter_set("bench168"), 1.0 / s, 12e3) / s, []
@@ -123,8 +124,7 @@ def manoeuvre_of(unpacked: Archive, duration: float) -> dict[str, np.ndarray]:
     """The demo's manoeuvre in steps of 10 ms: outputs by name."""
     inputs, known = manoeuvre_inputs(), {variable.name for variable in unpacked.description.modelVariables}
     start = {**parameter_set("bench168"), **demo.START_VALUES, **inputs.at(0.0)}
-    names = ["ratio.geometric", "primary.speed", "secondary.speed", "macroSlip"]
-    rows = []
+    names, rows = ["ratio.geometric", "primary.speed", "secondary.speed", "macroSlip"], []
     with Instance(unpacked, {name: value for name, value in start.items() if name in known}) as unit:
         unit.initialise()
         for k in range(round(duration / 0.01)):
@@ -141,8 +141,7 @@ def test_the_manoeuvre_of_the_demo(archive: Archive, maps_archive: Archive) -> N
     ratios = [one["ratio.geometric"][before] for one in (detailed, mapped)]
     error = np.sqrt(np.mean((ratios[1] - ratios[0]) ** 2)) / np.ptp(ratios[0])
     speed = np.max(np.abs(mapped["secondary.speed"][before] / detailed["secondary.speed"][before] - 1.0))
-    print(f"ratio {100 * error:.1f} % of its range, secondary speed {100 * speed:.1f} %")
-    assert error < 0.06 and speed < 0.11
+    assert error < 0.04 and speed < 0.05
     # Launch: the clutch of the manoeuvre brings the belt to its capacity.
     assert np.max(np.abs(mapped["primary.speed"][50:150] / detailed["primary.speed"][50:150] - 1.0)) < 0.015
     # In the over-torque both slip through, and both recover.
@@ -233,11 +232,6 @@ def test_the_command_writes_an_fmu_from_maps(map_fmu: Path, tmp_path: Path, caps
     assert cli.main(["map-fmu", str(copy), "--maps", str(tmp_path / "none.nc")]) == 1
     assert cli.main([*words[:6], "--set", "friction.pulley=0.5"]) == 1
     assert "wedgeAngle" in capsys.readouterr().err and copy.read_bytes() == written, "a file that works stays"
-
-
-def test_a_byte_order_mark_does_not_change_the_token() -> None:
-    """As in the library, which accepts a mark that an editor has added."""
-    assert map_unit.hash_of(b"\xef\xbb\xbf{}") == map_unit.hash_of(b"{}") != map_unit.hash_of(b"")
 
 
 def test_an_fmu_that_is_missing_is_named(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

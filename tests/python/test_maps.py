@@ -96,8 +96,7 @@ def test_maps_are_complete_and_in_order(maps: Maps) -> None:
     assert np.all(np.diff(maps["shiftRate"], axis=-1) >= 0.0)
     assert np.all(maps["shiftGain"] > 0.0)
     assert np.all(np.diff(maps["thrustRatioAtShare"][..., -4:], axis=-1) < 0.0)
-    # In overrun and in drive.
-    efficiency = maps["efficiency"][..., [0, 4]]
+    efficiency = maps["efficiency"][..., [0, 4]]  # In overrun and in drive
     assert np.all((efficiency > 0.8) & (efficiency < 1.0))
 
 
