@@ -17,8 +17,11 @@ from pushbelt.fmu.working_points import measure as of_points
 HELD = 0.95  # Largest utilisation of shifts, relative to that at capacity
 
 
-def measure(states: SteadyStates, line: Line, along: Along, shares: Sequence[float], shift_utilisations: Sequence[float]) -> dict[str, Any]:
-    """All results on a line. `shares` are torques divided by that at capacity, from −1 to 1; None where there is no steady state."""
+def measure(
+    states: SteadyStates, line: Line, along: Along, shares: Sequence[float], shifted: Sequence[float], excesses: Sequence[float]
+) -> dict[str, Any]:
+    """All results on a line. `shares` are torques divided by that at capacity, from −1 to 1; `shifted` and `excesses` are those of
+    the shifts, torque utilisations and ln(F_P/(κ F_S)) without 0. None stands for a missing steady state."""
     found, at, carried = of_points(states, line, along), states.sequence(), torque_capacity(states.parameters, line.ratio, line.force)
     (least, most), slips = found["capacity"], found["capacitySlip"]
 
@@ -35,11 +38,11 @@ def measure(states: SteadyStates, line: Line, along: Along, shares: Sequence[flo
 
     def shifts(utilisation: float) -> list[float] | list[None]:
         try:
-            return shift_rates(states, at, line, min(max(utilisation, HELD * least), HELD * most), along.excesses)
+            return shift_rates(states, at, line, min(max(utilisation, HELD * least), HELD * most), excesses)
         except UnitError:
-            return [None] * len(along.excesses)
+            return [None] * len(excesses)
 
-    return found | {"shares": [state(share) for share in shares], "shiftRate": [shifts(utilisation) for utilisation in shift_utilisations]}
+    return found | {"shares": [state(share) for share in shares], "shiftRate": [shifts(utilisation) for utilisation in shifted]}
 
 
 def shift_rates(states: SteadyStates, at: At, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:

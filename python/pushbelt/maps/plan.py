@@ -120,8 +120,8 @@ class Plan(Tasks):
         excesses = tuple(excess for excess in self.grid.excess if excess != 0.0)
         shafts = {name: one for name, one in self.full.items() if ".drag." in name or ".bearing." in name}
         grid = self.grid
-        along = Along(grid.utilisation, grid.slip_share, (), excesses, shafts, self.deviations, self.asked)
-        return partial(line.measure, along=along, shares=grid.torque_share, shift_utilisations=grid.shift_utilisation)
+        along = Along(grid.utilisation, grid.slip_share, shafts, self.deviations, self.asked)
+        return partial(line.measure, along=along, shares=grid.torque_share, shifted=grid.shift_utilisation, excesses=excesses)
 
     @property
     def common(self) -> Mapping[str, float]:  # type: ignore[override]
