@@ -11,16 +11,16 @@ use serde_json::Value;
 
 use crate::cubic::resampled;
 use crate::tables::{Table, Tables, UniformAxis};
-use crate::tuning::{EXCESSES, RATIOS, SHARES, UTILISATIONS};
+use crate::tuning::{EXCESSES, RATIOS, SHARES, TORQUES};
 
 /// Name of the file in the resources.
 pub const FILE: &str = "maps.json";
 /// Its format, and the version of its content.
 const FORMAT: &str = "pushbelt map unit";
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 /// Largest size of the file, bytes.
 const LARGEST_FILE: u64 = 1 << 24;
-/// Largest number of values of the refined tables: 128 MB, 29 times those in the FMU.
+/// Largest number of values of the refined tables: 128 MB, 23 times those in the FMU.
 const MOST_VALUES: f64 = (1_u32 << 24) as f64;
 /// Least distance of neighbours on an axis, as a fraction of its largest value.
 const LEAST_STEP: f64 = 1e-6;
@@ -57,20 +57,22 @@ impl Tables {
         }
         let axis = |name: &str, range: Range| axis(&document, name, range);
         let (forces, speeds) = (axis("force", 1e-3..=1e7)?, axis("speed", 1e-3..=1e5)?);
-        let (ratios, utilisation) = (axis("ratio", 0.01..=100.0)?, axis("utilisation", UTILISATION)?);
-        let (share, excess) = (axis("slipShare", -1.0..=1.0)?, axis("excess", -100.0..=100.0)?);
+        let (ratios, excess) = (axis("ratio", 0.01..=100.0)?, axis("excess", -100.0..=100.0)?);
+        let [directions, share, torque] =
+            ["direction", "slipShare", "torqueShare"].map(|name| axis(name, -1.0..=1.0));
+        let (directions, share, torque) = (directions?, share?, torque?);
         let shift_utilisations = axis("shiftUtilisation", UTILISATION)?;
-        if axis("direction", -1.0..=1.0)? != [-1.0, 1.0] || share[0] != -1.0 || share[share.len() - 1] != 1.0
-        {
-            return Err("it is damaged: the axes direction and slipShare must end with -1 and 1".to_owned());
+        let is_whole = |axis: &Vec<f64>| axis[0] == -1.0 && axis[axis.len() - 1] == 1.0;
+        if directions.len() != 2 || ![&directions, &share, &torque].into_iter().all(is_whole) {
+            return Err(
+                "it is damaged: the axes direction, slipShare and torqueShare must end with -1 and 1"
+                    .to_owned(),
+            );
         }
         let (lines, rates) = (forces.len() * speeds.len(), shift_utilisations.len());
         // Before an allocation: a file of few numbers may have many refined ones.
         let width = |axis: &[f64], fine: usize| axis.len().max(fine);
-        let row = 3 * width(&utilisation, UTILISATIONS)
-            + width(&share, SHARES)
-            + rates * width(&excess, EXCESSES)
-            + 4;
+        let row = 3 * width(&torque, TORQUES) + width(&share, SHARES) + rates * width(&excess, EXCESSES) + 4;
         let most = lines as f64 * width(&ratios, RATIOS) as f64 * row as f64;
         if most > MOST_VALUES {
             return Err(format!(
@@ -83,11 +85,11 @@ impl Tables {
             lines,
             ratios: ratios.iter().map(|ratio| ratio.ln()).collect(),
         };
-        let numbers = |name, range| file.numbers(name, utilisation.len(), range);
+        let numbers = |name, range| file.numbers(name, torque.len(), range);
         let belt = [
-            numbers("thrustRatio", THRUST_RATIO)?,
-            numbers("beltTorqueLoss", -1e4..=1e4)?,
-            numbers("bearingLoad", 0.0..=1e7)?,
+            numbers("thrustRatioAtShare", THRUST_RATIO)?,
+            numbers("beltTorqueLossAtShare", -1e4..=1e4)?,
+            numbers("bearingLoadAtShare", 0.0..=1e7)?,
         ];
         let ([against, along], [slip_against, slip_along]) = (
             file.capacities("capacity", 1e-3, 10.0)?,
@@ -97,7 +99,7 @@ impl Tables {
             parameters: parameters_of(&document)?,
             hash: hash::of_bytes(bytes),
             ratios: UniformAxis::over(&file.ratios, RATIOS),
-            belt: file.refined(1, belt, &utilisation, UTILISATIONS),
+            belt: file.refined(1, belt, &torque, TORQUES),
             traction: file.rising("traction", 1, UTILISATION, &share, SHARES)?,
             shift_rates: file.rising("shiftRate", rates, -1e3..=1e3, &excess, EXCESSES)?,
             limits: file.refined(1, [against, along, slip_against, slip_along], &[0.0], 1),

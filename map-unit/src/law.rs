@@ -10,7 +10,8 @@
 //! drives, and that of the belt on the secondary shaft T_S = i (T_P − tanh(ω_P/ω_0) T_l), with ω_0
 //! of the [drag](pushbelt::shaft). A growing primary force closes the primary pulley, so ℓ' =
 //! −|ω_P| G(ln(F_P/(κ F_S))), with G of the sign of its argument; F_P and F_S are those of clamps
-//! and [cylinders](pushbelt::cylinder), whose seals act on the shift alone.
+//! and [cylinders](pushbelt::cylinder), whose seals act on the shift alone. T_l and κ are tables
+//! over u/u_c, because κ falls steeply near the capacity.
 //!
 //! Reverse running is the mirror image: with b = r_P ω_P/q, which is ±1 except near standstill, u =
 //! (1+b)/2 U(s) − (1−b)/2 U(−s); other quantities are means with these weights.
@@ -96,8 +97,8 @@ impl Point {
     }
 
     #[inline(always)]
-    fn capacity(&self, sliding: f64) -> Capacity {
-        if sliding >= 0.0 {
+    fn capacity(&self, direction: f64) -> Capacity {
+        if direction >= 0.0 {
             self.capacities.primary
         } else {
             self.capacities.secondary
@@ -231,12 +232,13 @@ impl Law {
         let fading = (state.speeds.primary / SPEED_SMOOTHING).tanh();
         for (sign, fraction) in point.directions() {
             let Sloped { value, slope } = self.one_way(&point, sign * point.sliding);
-            let [thrust, loss, bearing] = self.tables.belt.interpolate(&position, 0, value);
+            let most = point.capacity(value).utilisation.abs();
+            let [thrust, loss, bearing] = self.tables.belt.interpolate(&position, 0, value / most);
             point.traction.value += sign * fraction * value;
             point.traction.slope += fraction * slope;
             point.forward += fraction * value;
             point.thrust_ratio += fraction * thrust.value;
-            point.thrust_slope += fraction * sign * thrust.slope;
+            point.thrust_slope += fraction * sign * thrust.slope / most;
             point.torque_loss += fraction * fading * loss.value;
             point.bearing_load += fraction * bearing.value;
         }

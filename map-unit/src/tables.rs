@@ -111,7 +111,7 @@ pub struct Tables {
     pub speeds: Vec<f64>,
     /// Points over ln i.
     pub ratios: UniformAxis,
-    /// Thrust ratio, torque loss, bearing load, over the utilisation.
+    /// Thrust ratio, torque loss, bearing load, over the utilisation divided by that at capacity.
     pub belt: Table<3>,
     /// Utilisation over the fraction of the slip at capacity.
     pub traction: Table<1>,

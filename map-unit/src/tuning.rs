@@ -32,11 +32,11 @@ pub const START_TOLERANCE: f64 = 1e-9;
 /// nothing.
 pub const LEAST_FRACTION: f64 = 0.5;
 
-/// Numbers of points of the refined tables: ratios, utilisations of the belt, slips of the
+/// Numbers of points of the refined tables: ratios, torques of the belt, slips of the
 /// traction, excesses of the shift rates. Half of one: 8e-4, 1.3e-3, 1.7e-3, 5e-4; double: 5e-4,
 /// 4e-4, 6e-4, 2e-4.
 pub const RATIOS: usize = 65;
-pub const UTILISATIONS: usize = 97;
+pub const TORQUES: usize = 97;
 pub const SHARES: usize = 257;
 pub const EXCESSES: usize = 97;
 /// Number of points of the table of radii, and its range of ln i beyond the end stops: a radius

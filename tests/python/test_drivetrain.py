@@ -24,7 +24,8 @@ from pushbelt.fmu.data import clamping_force
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.unit import Archive
-from pushbelt.fmu.working_points import SHAFTS, Line, shift_rates
+from pushbelt.fmu.working_points import SHAFTS, Line
+from pushbelt.maps.line import shift_rates
 
 CAR = demo_car()
 FRICTION = Friction(0.09, math.radians(11.0))
@@ -325,7 +326,7 @@ def test_the_map_from_maps_is_that_of_the_drives(table: ThrustMap) -> None:
             assert found.thrust_ratio(ratio, utilisation) == pytest.approx(table.thrust_ratio(ratio, utilisation), rel=0.06)
         assert found.shift_gain(ratio, 0.3) == pytest.approx(table.shift_gain(ratio, 0.3), rel=0.35)
     assert found.clearance_force == pytest.approx(table.clearance_force, rel=0.5)
-    others = dataclasses.replace(maps, axes={**maps.axes, "shiftUtilisation": np.array([-0.2, 0.3])})
+    others = dataclasses.replace(maps, axes={**maps.axes, "shiftUtilisation": np.array([-0.2, 0.0, 0.3, 0.8])})
     with pytest.raises(ValueError, match="shifts"):
         ThrustMap.of_maps(others)
 

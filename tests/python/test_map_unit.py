@@ -22,8 +22,8 @@ from pushbelt.drive.cycle import CYCLES
 from pushbelt.drive.measure import measure
 from pushbelt.drive.thrust_map import ThrustMap
 from pushbelt.drive.vehicle import demo_car
-from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
-from pushbelt.fmu.steady import driven_by_torque
+from pushbelt.fmu.data import manoeuvre_inputs, parameter_set, torque_capacity
+from pushbelt.fmu.steady import driven_at_speed, driven_by_torque
 from pushbelt.fmu.unit import Archive, Instance, UnitError
 from pushbelt.maps import unit as map_unit
 from pushbelt.maps.data import MapError, Maps
@@ -68,7 +68,7 @@ def test_tables_and_description_belong_together(map_fmu: Path, tmp_path: Path) -
         tables, described = archive.read(map_unit.TABLES_FILE), archive.read("modelDescription.xml")
     assert tables == map_unit.default_maps().read_bytes()
     other, copy, back = (tmp_path / f"{name}.fmu" for name in ("other", "copy", "back"))
-    same = tables.replace(b'"version":1', b'"version": 1', 1)
+    same = tables.replace(b'"version":2', b'"version": 2', 1)
     copy_archive(map_fmu, other, {}, {map_unit.TABLES_FILE: same})
     with Archive.unpack(other) as archive, pytest.raises(UnitError, match="belongs to another binary"):
         Instance(archive, {})
@@ -78,6 +78,8 @@ def test_tables_and_description_belong_together(map_fmu: Path, tmp_path: Path) -
     map_unit.write_tables(copy, back, tables)
     with zipfile.ZipFile(back) as archive:
         assert archive.read("modelDescription.xml") == described
+    # A byte-order mark, which an editor may add, does not change the token, as in the library.
+    assert map_unit.hash_of(b"\xef\xbb\xbf{}") == map_unit.hash_of(b"{}") != map_unit.hash_of(b"")
 
 
 def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_archive: Archive) -> None:
@@ -93,17 +95,35 @@ def test_steady_states_are_those_of_the_detailed_unit(archive: Archive, maps_arc
         detailed, mapped = found
         assert mapped["slip"] == pytest.approx(detailed["slip"], rel=0.2, abs=2e-4)
         assert mapped["thrustRatio"] == pytest.approx(detailed["thrustRatio"], rel=0.03)
-        power = abs(torque) * speed
-        assert mapped["loss.total"] == pytest.approx(detailed["loss.total"], abs=0.006 * power)
+        assert mapped["loss.total"] == pytest.approx(detailed["loss.total"], abs=0.006 * abs(torque) * speed)
         assert mapped["loss.shafts"] == pytest.approx(detailed["loss.shafts"], rel=0.01)
+
+
+SLIPPING = (0.6, -0.5, -0.3), (0.6, 0.8, -0.3), (1.6, 0.8, 0.3)  # Shifts in which the detailed belt slips through
+STEPS = {(s, share, excess) for s in (0.6, 1.0, 1.6) for share in (-0.5, 0.0, 0.5, 0.8) for excess in (-0.3, 0.3)}.difference(SLIPPING)
+
+
+@pytest.mark.parametrize(("s", "share", "excess"), sorted(STEPS))
+def test_shifts_are_those_of_the_detailed_unit(s: float, share: float, excess: float, archive: Archive, maps_archive: Archive) -> None:
+    """At 12 kN and 200 rad/s, 60 to 120 ms after a change of ln F_P. The driven shaft is light: it does not load the belt."""
+    load, rates = -share * torque_capacity(parameter_set("bench168"), 1.0 / s, 12e3) / s, []
+    for unpacked in (archive, maps_archive):
+        with Instance(unpacked, driven_at_speed({"secondary.inertia": 0.003}, 1.0 / s, 200.0, load, 12e3)) as unit:
+            unit.initialise()
+            holding = unit.get("primary.axialForce") if unpacked is archive else 12e3 * unit.get("map.holdingThrustRatio")
+            unit.set({"primary.clampingForce": holding * np.exp(excess)})
+            unit.step_to(0.06)
+            begin = unit.get("ratio.geometric")
+            unit.step_to(0.12)
+            rates.append(np.log(unit.get("ratio.geometric") / begin))
+    assert rates[1] == pytest.approx(rates[0], rel=0.12)
 
 
 def manoeuvre_of(unpacked: Archive, duration: float) -> dict[str, np.ndarray]:
     """The demo's manoeuvre in steps of 10 ms: outputs by name."""
     inputs, known = manoeuvre_inputs(), {variable.name for variable in unpacked.description.modelVariables}
     start = {**parameter_set("bench168"), **demo.START_VALUES, **inputs.at(0.0)}
-    names = ["ratio.geometric", "primary.speed", "secondary.speed", "macroSlip"]
-    rows = []
+    names, rows = ["ratio.geometric", "primary.speed", "secondary.speed", "macroSlip"], []
     with Instance(unpacked, {name: value for name, value in start.items() if name in known}) as unit:
         unit.initialise()
         for k in range(round(duration / 0.01)):
@@ -120,8 +140,7 @@ def test_the_manoeuvre_of_the_demo(archive: Archive, maps_archive: Archive) -> N
     ratios = [one["ratio.geometric"][before] for one in (detailed, mapped)]
     error = np.sqrt(np.mean((ratios[1] - ratios[0]) ** 2)) / np.ptp(ratios[0])
     speed = np.max(np.abs(mapped["secondary.speed"][before] / detailed["secondary.speed"][before] - 1.0))
-    print(f"ratio {100 * error:.1f} % of its range, secondary speed {100 * speed:.1f} %")
-    assert error < 0.06 and speed < 0.11
+    assert error < 0.04 and speed < 0.05
     # Launch: the clutch of the manoeuvre brings the belt to its capacity.
     assert np.max(np.abs(mapped["primary.speed"][50:150] / detailed["primary.speed"][50:150] - 1.0)) < 0.015
     # In the over-torque both slip through, and both recover.
@@ -157,7 +176,7 @@ def test_the_wltc(span: tuple[float, float], archive: Archive, maps_archive: Arc
 def test_map_variator_has_the_equations_of_the_fmu(
     maps_archive: Archive, ratio: float, speed: float, torque: float, force: float, thrust: float
 ) -> None:
-    """Shifts, a launch, overrun and macro-slip in both, in steps of 1 ms; the error is that of implicit Euler steps."""
+    """Shifts, a launch, overrun and macro-slip in both, in steps of 0.5 ms; the error is that of implicit Euler steps."""
     inertias = {"primary.inertia": 0.15, "secondary.inertia": 8.0, "primary.drag.constant": 2.0, "secondary.drag.viscous": 0.02}
     start = {"initial.ratio": ratio, "initial.primarySpeed": speed, "initial.steady": False, "inputs.ramp": 0.0}
     loads = (torque, -torque * ratio, thrust * force, force)
@@ -165,9 +184,9 @@ def test_map_variator_has_the_equations_of_the_fmu(
     own.start(ratio, speed)
     with Instance(maps_archive, {**start, **inertias, **dict(zip(LOADS, loads, strict=True))}) as unit:
         unit.initialise()
-        for k in range(500):
-            unit.step_to(1e-3 * (k + 1))
-            own.step(1e-3, *loads)
+        for k in range(1000):
+            unit.step_to(5e-4 * (k + 1))
+            own.step(5e-4, *loads)
         expected = unit.outputs()
     assert own.primary_speed[2] == pytest.approx(expected["primary.speed"], rel=2e-3, abs=1e-4)
     assert own.secondary_speed[2] == pytest.approx(expected["secondary.speed"], rel=1e-3, abs=1e-4)
@@ -212,11 +231,6 @@ def test_the_command_writes_an_fmu_from_maps(map_fmu: Path, tmp_path: Path, caps
     assert cli.main(["map-fmu", str(copy), "--maps", str(tmp_path / "none.nc")]) == 1
     assert cli.main([*words[:6], "--set", "friction.pulley=0.5"]) == 1
     assert "wedgeAngle" in capsys.readouterr().err and copy.read_bytes() == written, "a file that works stays"
-
-
-def test_a_byte_order_mark_does_not_change_the_token() -> None:
-    """As in the library, which accepts a mark that an editor has added."""
-    assert map_unit.hash_of(b"\xef\xbb\xbf{}") == map_unit.hash_of(b"{}") != map_unit.hash_of(b"")
 
 
 def test_an_fmu_that_is_missing_is_named(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -82,8 +82,8 @@ fn a_number_out_of_range_is_named() {
             }
         }
     }
-    for name in ["capacity", "capacitySlip", "thrustRatio"] {
-        let small = if name == "thrustRatio" { 1e-300 } else { -1e-300 };
+    for name in ["capacity", "capacitySlip", "thrustRatioAtShare"] {
+        let small = if name == "thrustRatioAtShare" { 1e-300 } else { -1e-300 };
         let why = refused(|document| *first(&mut document["tables"][name]["values"]) = json!(small));
         assert!(why.contains(name), "{why}");
     }
@@ -93,7 +93,7 @@ fn a_number_out_of_range_is_named() {
 
 #[test]
 fn tables_that_grow_too_large_are_refused_before_they_are_refined() {
-    for (name, count, step) in [("force", 1000, 1.0), ("utilisation", 700_000, 1e-5)] {
+    for (name, count, step) in [("force", 1000, 1.0), ("shiftUtilisation", 700_000, 1e-5)] {
         let axis: Vec<f64> = (1..=count).map(|k| step * f64::from(k)).collect();
         let why = refused(|document| document["axes"][name]["values"] = json!(axis));
         assert!(why.contains("16777216") && why.contains("forces"), "{why}");
@@ -140,8 +140,8 @@ fn damaged_tables_are_refused() {
         ("{", "[", "not JSON"),
         ("{", &"[".repeat(1_000_000), "not JSON"),
         ("pushbelt map unit", "maps", "format"),
-        (r#""version":1"#, r#""version":2"#, "version"),
-        (r#""thrustRatio":"#, r#""other":"#, "thrustRatio"),
+        (r#""version":2"#, r#""version":1"#, "version"),
+        (r#""thrustRatioAtShare":"#, r#""other":"#, "thrustRatioAtShare"),
         (r#"Length":0.703"#, r#"Length":0.3"#, "geometry"),
         (r#""N","values":[2500.0"#, r#""N","values":[9500.0"#, "ascend"),
     ] {

@@ -15,7 +15,7 @@ SHARES = (0.3, 0.4, 0.55, 0.75, 1.0, 1.3, 1.8, 2.4, 3.0)
 """Primary forces of the shifts, relative to the force that holds the ratio."""
 GRID = Grid(
     force=(OTHER_FORCE, FORCE), speed=(SPEED,), ratio=(0.45, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2),
-    utilisation=(-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.8, 0.85, 0.9, 0.97), slip_share=(-1.0, 0.0, 1.0),
+    utilisation=(-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.8, 0.85, 0.9, 0.97), slip_share=(-1.0, 0.0, 1.0), torque_share=(-1.0, 0.0, 1.0),
     shift_utilisation=SHIFT_UTILISATIONS, excess=tuple(map(math.log, SHARES)),
 )  # fmt: skip
 """Axes of the maps."""

@@ -111,11 +111,11 @@ class ThrustMap:
 
     @classmethod
     def of_maps(cls, maps: Maps) -> ThrustMap:
-        """The map at `SPEED` and `FORCE` of the maps of `pushbelt maps`, which need these shift utilisations. Tables are
-        interpolated linearly in the force and in the square of the speed."""
-        axes = maps.axes
-        if tuple(axes["shiftUtilisation"]) != SHIFT_UTILISATIONS:
-            raise ArgumentError(f"the maps have no shifts at the torque utilisations {SHIFT_UTILISATIONS}")
+        """The map at `SPEED` and `FORCE` of the maps of `pushbelt maps`, whose shifts must include these utilisations. Tables are
+        interpolated linearly in the force, in the square of the speed, and in the utilisation of shifts."""
+        axes, shifted = maps.axes, maps.axes["shiftUtilisation"]
+        if shifted[0] > SHIFT_UTILISATIONS[0] or shifted[-1] < SHIFT_UTILISATIONS[-1]:
+            raise ArgumentError(f"the maps have no shifts between the torque utilisations {SHIFT_UTILISATIONS}")
 
         def at(name: str, force: float) -> Array:
             table = maps[name]
@@ -125,10 +125,15 @@ class ThrustMap:
                 table = low + place % 1.0 * (high - low)
             return table
 
-        rates = at("shiftRate", FORCE) / FORCE
+        def shift_rates(force: float) -> Array:
+            places, table = np.interp(SHIFT_UTILISATIONS, shifted, np.arange(len(shifted))), at("shiftRate", force)
+            low, high = (table[:, ends.astype(int)] for ends in (np.floor(places), np.ceil(places)))
+            return low + (places % 1.0)[:, None] * (high - low)
+
+        rates = shift_rates(FORCE) / FORCE
         below = int(np.flatnonzero(axes["excess"] == 0.0)[0])
         near = slice(max(below - 1, 0), below + 2)
-        quotients = at("shiftRate", OTHER_FORCE)[..., near] / np.where(rates == 0.0, np.inf, rates * FORCE)[..., near]
+        quotients = shift_rates(OTHER_FORCE)[..., near] / np.where(rates == 0.0, np.inf, rates * FORCE)[..., near]
         # The quotient is 1 for a tilt by clearance alone, and the quotient of the forces for a tilt by bending alone.
         share = clip(float(np.median(quotients[quotients > 0.0])), OTHER_FORCE / FORCE, 0.98)
         clearance = (share * FORCE - OTHER_FORCE) / (1.0 - share)

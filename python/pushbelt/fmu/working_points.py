@@ -17,7 +17,7 @@ import numpy as np
 from .bands import bands, increased
 from .data import torque_capacity
 from .gradients import Asked, rates
-from .steady import At, StartValues, SteadyStates, driven_at_speed, driven_by_slip, driven_by_torque
+from .steady import StartValues, SteadyStates, driven_by_slip, driven_by_torque
 from .unit import Instance, UnitError
 
 REFERENCE_LEVER = 5e-5  # Friction coefficient times radius of the secondary bearings, m
@@ -62,8 +62,6 @@ class Along(NamedTuple):
     """Belt torque on the primary pulley / (2 μ r_P F_S/cosβ), ascending; positive where the primary pulley drives."""
     shares: Sequence[float]
     """Slips at which the traction is measured, divided by the slip at capacity, ascending from −1 to 1."""
-    shift_utilisations: Sequence[float]  # Utilisations at which shifts are measured
-    excesses: Sequence[float]  # ln(F_P/(κ F_S)) of the shifts, ascending, without 0
     shafts: Mapping[str, float]  # Drag and bearings of the variator, under which points have what follows
     deviations: Mapping[str, float]  # Standard deviations of parameters, for those of points
     asked: Asked  # Derivatives
@@ -152,47 +150,13 @@ def measure(states: SteadyStates, line: Line, along: Along) -> dict[str, Any]:
         except UnitError as error:
             return {"reason": str(error)}
 
-    def shifts(utilisation: float) -> list[float] | list[None]:
-        try:
-            return shift_rates(states, at, line, utilisation if least < utilisation < most else 0.0, along.excesses)
-        except UnitError:
-            return [None] * len(along.excesses)
-
     known = {-1.0: least, 1.0: most}
     points = [solved(utilisation) for utilisation in along.utilisations]
     found = {
         "points": points, "capacity": [least, most], "capacitySlip": [low, high],
         "traction": [known[s] if s in known else traction(s * high if s > 0.0 else -s * low) for s in along.shares],
-        "shiftRate": [shifts(utilisation) for utilisation in along.shift_utilisations],
     }  # fmt: skip
     for utilisation, one in zip(along.utilisations, points, strict=True):
         if "reason" not in one and (along.deviations or along.asked.names):
             one.update(around(states, line, utilisation * capacity, one, along))
     return found
-
-
-def shift_rates(states: SteadyStates, at: At, line: Line, utilisation: float, excesses: Sequence[float]) -> list[float]:
-    """−d(ln i)/dt / ω_P after a jump of the primary force to κ F_S exp(excess), 1/rad, for each excess. The primary speed is held, and the
-    secondary shaft has the load torque of the steady state. The rate is the mean slope over the window. It ends earlier if ln i has
-    changed by `SHIFT_REACH`: then it is that of the second half of the time."""
-    load = at(driven_at(states, line, utilisation)).get("secondary.externalTorque")
-    unit = at(driven_at_speed({}, line.ratio, line.speed, load, line.force))
-    holding = unit.get("primary.axialForce")
-    begin, state, rates = unit.time, unit.state(), []
-    for excess in excesses:
-        unit.restore(state, begin)
-        unit.set({"primary.clampingForce": holding * math.exp(excess)})
-        rates.append(-_mean_slope(unit, line.speed) / line.speed)
-    return rates
-
-
-def _mean_slope(unit: Instance, speed: float) -> float:
-    """Mean d(ln i)/dt after a jump at a primary speed, 1/s."""
-    begin, step = unit.time, min(TIME_STEP, STEP_ANGLE / speed)
-    logs = [math.log(unit.get("ratio.geometric"))]
-    first, last = (round(moment / step) for moment in WINDOW)
-    while len(logs) <= last and abs(logs[-1] - logs[0]) < SHIFT_REACH:
-        unit.step_to(begin + len(logs) * step)
-        logs.append(math.log(unit.get("ratio.geometric")))
-    start = first if len(logs) > last else (len(logs) - 1) // 2
-    return (logs[-1] - logs[start]) / ((len(logs) - 1 - start) * step)

@@ -27,7 +27,7 @@ from ..fmu.results import item
 if TYPE_CHECKING:
     import xarray
 
-VERSION = 1  # Version of the files' content
+VERSION = 2  # Version of the files' content
 STATES = ("steady", "slips_through", "beyond_capacity", "not_found")
 """Meaning of the numbers of the table `state`, as in `tables.json`. The first two are steady states."""
 
@@ -48,6 +48,8 @@ _ABOUT = json.loads(Path(__file__).with_name("tables.json").read_text(encoding="
 AXES: Mapping[str, Quantity] = {name: Quantity(**about) for name, about in _ABOUT["axes"].items()}
 TABLES: Mapping[str, Quantity] = {name: Quantity(**{**about, "axes": tuple(about["axes"])}) for name, about in _ABOUT["tables"].items()}
 POINT = ("force", "speed", "ratio", "utilisation")
+AT_SHARES = {f"{name}AtShare": name for name in ("thrustRatio", "beltTorqueLoss", "bearingLoad")}
+"""Tables of the FMU over the share of the torque at capacity, and the results at each share that they are of."""
 TEXTS = ("source", "parameters", "reasons", "by", "added")  # Parts of a data set that are no numbers
 
 

@@ -22,7 +22,8 @@ from pushbelt.fmu.steady import SteadyStates
 from pushbelt.fmu.working_points import POINT_COLUMNS, SHAFTS, SHOWN, Along, Line, camel, drag, slope
 from pushbelt.study.tasks import Row, Tasks, ascending, spread
 
-from .data import AXES, POINT, STATES, TABLES, Maps, Quantity
+from . import line
+from .data import AT_SHARES, AXES, POINT, STATES, TABLES, Maps, Quantity
 
 COLUMNS = {camel(name): name for name in POINT_COLUMNS if name != "pastPeak"}
 """Tables that are columns of the measured points: `lossSheaves` of `loss.sheaves`."""
@@ -42,7 +43,11 @@ class Grid:
     """Torque utilisation; negative where the secondary pulley drives."""
     slip_share: tuple[float, ...] = (-1.0, -0.6, -0.35, -0.15, -0.05, 0.0, 0.05, 0.15, 0.35, 0.6, 1.0)
     """Slips of the traction, divided by the slip at capacity."""
-    shift_utilisation: tuple[float, ...] = (-0.3, 0.3)  # Torque utilisations at which shifts are measured
+    torque_share: tuple[float, ...] = (
+        -1.0, -0.92, -0.8, -0.6, -0.4, -0.25, -0.16, -0.08, 0.0, 0.08, 0.16, 0.33, 0.5, 0.65, 0.78, 0.86, 0.92, 0.97, 1.0,
+    )  # fmt: skip
+    """Torques of the states for the FMU of maps, divided by that at capacity. The thrust ratio is steep near 0 and near the capacity."""
+    shift_utilisation: tuple[float, ...] = (-0.5, 0.0, 0.5, 0.8)  # Torque utilisations at which shifts are measured
     excess: tuple[float, ...] = (-0.9, -0.5, -0.25, -0.1, 0.0, 0.1, 0.25, 0.5, 0.9)
     """ln(F_P/(κ F_S)) of the shifts, with 0."""
 
@@ -54,8 +59,10 @@ class Grid:
                 object.__setattr__(self, one.name, values)
         if 0.0 not in self.excess:
             raise ArgumentError("0 must be among the values of excess")
-        if (self.slip_share[0], self.slip_share[-1]) != (-1.0, 1.0) or 0.0 not in self.slip_share:
-            raise ArgumentError("the values of slip_share must begin with -1, contain 0 and end with 1")
+        for name in ("slip_share", "torque_share"):
+            values = getattr(self, name)
+            if (values[0], values[-1]) != (-1.0, 1.0) or 0.0 not in values:
+                raise ArgumentError(f"the values of {name} must begin with -1, contain 0 and end with 1")
 
 
 COARSE = Grid()  # 84 lines with 13 points each
@@ -106,20 +113,21 @@ class Plan(Tasks):
         low, high = stops(self.full)
         return spread(low * MARGIN, high / MARGIN, self.grid.ratios)
 
-    procedure = (working_points, steady, bands, gradients)
+    procedure = (line, working_points, steady, bands, gradients)
 
     @property
     def measure(self) -> Callable[[SteadyStates, Line], Row]:
         excesses = tuple(excess for excess in self.grid.excess if excess != 0.0)
         shafts = {name: one for name, one in self.full.items() if ".drag." in name or ".bearing." in name}
         grid = self.grid
-        along = Along(grid.utilisation, grid.slip_share, grid.shift_utilisation, excesses, shafts, self.deviations, self.asked)
-        return partial(working_points.measure, along=along)
+        along = Along(grid.utilisation, grid.slip_share, shafts, self.deviations, self.asked)
+        return partial(line.measure, along=along, shares=grid.torque_share, shifted=grid.shift_utilisation, excesses=excesses)
 
     @property
     def common(self) -> Mapping[str, float]:  # type: ignore[override]
-        # The forces of the maps are whole ones.
-        return {**self.full, **SHAFTS, **{name: 0.0 for name in self.full if ".cylinder." in name}}
+        # The forces of the maps are whole ones. The driven shaft is so light that it does not load the belt in a shift.
+        whole = {name: 0.0 for name in self.full if ".cylinder." in name}
+        return {**self.full, **SHAFTS, **whole, "secondary.inertia": 0.003}
 
     def tasks(self) -> list[Line]:
         """All lines; the ratio varies fastest."""
@@ -148,7 +156,10 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     if not found:
         raise ArgumentError(f"no line has a steady state: {'; '.join(sorted({row.get('reason', '') for row in rows.values()}))}")
     grid = plan.grid
-    values = (grid.force, grid.speed, plan.ratios, grid.utilisation, (-1.0, 1.0), grid.slip_share, grid.shift_utilisation, grid.excess)
+    values = (
+        grid.force, grid.speed, plan.ratios, grid.utilisation, (-1.0, 1.0), grid.slip_share, grid.torque_share,
+        grid.shift_utilisation, grid.excess,
+    )  # fmt: skip
     axes = dict(zip(AXES, map(np.array, values), strict=True))
     route = tuple(len(axes[name]) for name in POINT[:3])
     places, lines = np.array(list(np.ndindex(route))), []
@@ -182,6 +193,9 @@ def collect(plan: Plan, rows: Mapping[int, Row]) -> Maps:
     tables["state"], tables["valid"] = state, (state <= STATES.index("slips_through")).astype(float)
     tables |= {name: over_lines(name) for name in ("capacity", "capacitySlip", "traction", "shiftRate")}
     tables["shiftRate"] = monotone(tables["shiftRate"], axes["excess"])
+    for name, column in AT_SHARES.items():
+        loaded = [[math.nan if one is None else one[column] for one in row["shares"]] for row in lines]
+        tables[name] = filled(np.array(loaded).reshape(*route, -1))
     # The slope over the two intervals about excess 0; over one at the border of the axis.
     zero = int(np.flatnonzero(axes["excess"] == 0.0)[0])
     ends = [max(zero - 1, 0), min(zero + 1, len(axes["excess"]) - 1)]

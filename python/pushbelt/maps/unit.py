@@ -20,11 +20,11 @@ from ..fmu.files import RESOURCES, found
 from ..fmu.start_values import DESCRIPTION, checked, write_copy
 from ..fmu.untrusted import described
 from ..whole_file import copy_archive
-from .data import AXES, TABLES, MapError, Maps
+from .data import AT_SHARES, AXES, TABLES, MapError, Maps
 
 TABLES_FILE = "resources/maps.json"  # The tables in the archive
-FORMAT, VERSION = "pushbelt map unit", 1
-USED = ("thrustRatio", "beltTorqueLoss", "bearingLoad", "capacity", "capacitySlip", "traction", "shiftRate")
+FORMAT, VERSION = "pushbelt map unit", 2
+USED = (*AT_SHARES, "capacity", "capacitySlip", "traction", "shiftRate")
 """Tables of the FMU."""
 GEOMETRY = (
     "geometry.centerDistance", "geometry.beltLength", "geometry.wedgeAngle", "belt.pitchOffset", "friction.fall", "friction.fallSpeed",
@@ -60,7 +60,7 @@ def tables_of(maps: Maps) -> bytes:
         "format": FORMAT, "version": VERSION, "source": dict(maps.source), "maps": maps.identity,
         "parameters": {name: maps.parameters[name] for name in GEOMETRY},
         "startValues": {name: maps.parameters[name] for name in VARIABLES},
-        "axes": {name: {"unit": axis.unit, "values": maps.axes[name].tolist()} for name, axis in AXES.items()},
+        "axes": {name: {"unit": axis.unit, "values": maps.axes[name].tolist()} for name, axis in AXES.items() if name != "utilisation"},
         "tables": {
             name: {"axes": TABLES[name].axes, "unit": TABLES[name].unit, "values": rounded(values).tolist()}
             for name, values in tables.items()

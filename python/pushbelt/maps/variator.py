@@ -5,7 +5,7 @@
     variators.step(0.01, primary_torque=60.0, secondary_torque=-49.0, primary_force=13e3, secondary_force=10e3)
     print(variators.ratio, variators.slip)
 
-The tables are those of the FMU: monotone cubics in ratio and utilisation, linear in the force and in the square of the speed. Both shafts are driven
+The tables are those of the FMU: monotone cubics in ratio and torque, linear in the force and in the square of the speed. Both shafts are driven
 by torques and both sheaves by forces. A step is an implicit Euler step, so it is of first order; the FMU's steps are of second order.
 """
 
@@ -28,7 +28,7 @@ from ..fmu import capacity
 from ..fmu.data import pitch_radius
 from ..fmu.geometry import Array
 from . import unit as map_unit
-from .data import MapError, Maps, arrays_of
+from .data import AT_SHARES, MapError, Maps, arrays_of
 from .plan import stops
 
 PchipInterpolator = package("scipy.interpolate", "MapVariator needs scipy", "maps").PchipInterpolator
@@ -36,7 +36,7 @@ map_coordinates = package("scipy.ndimage", "MapVariator needs scipy", "maps").ma
 SLIP_SPEED = 0.1  # Regularisation speed of the slip, m/s
 FADING_SPEED = 2.0  # Speed below which drag and belt loss fade, rad/s
 LEAST_FORCE = 1.0  # Smallest force in a quotient of forces, N
-RATIOS, UTILISATIONS, SHARES, EXCESSES, RADII = 65, 97, 257, 97, 257
+RATIOS, TORQUES, SHARES, EXCESSES, RADII = 65, 97, 257, 97, 257
 """Numbers of places of the refined tables and of the table of radii, as in the FMU."""
 ITERATIONS = 3  # Newton iterations for the sliding speed
 
@@ -155,7 +155,8 @@ class MapVariator:
 
         def at(u: Array) -> tuple[Array, Array, Array]:
             """Belt torque loss, bearing load, shift rate."""
-            thrust, lost, load = (table.at(place, u) for table in self._points)
+            share = u / np.where(u < 0.0, -limits[0], limits[1])
+            thrust, lost, load = (table.at(place, share) for table in self._points)
             excess = log_force - np.log(np.maximum(thrust * force, LEAST_FORCE))
             return lost, load, self._rates.at([*place, _places(u, self._shift_utilisations)], excess)
 
@@ -236,7 +237,7 @@ class MapVariator:
             fine = refined(_cubic(axes[along], tables[name], even, axis=-1))
             return _Table(even, np.maximum.accumulate(fine, axis=-1) if rising else fine)
 
-        self._points = [sheet(name, "utilisation", UTILISATIONS) for name in ("thrustRatio", "beltTorqueLoss", "bearingLoad")]
+        self._points = [sheet(name, "torqueShare", TORQUES) for name in AT_SHARES]
         self._tractions = sheet("traction", "slipShare", SHARES, rising=True)
         self._rates = sheet("shiftRate", "excess", EXCESSES, rising=True)
         # Least and greatest utilisation at capacity, and the slips there.
