@@ -36,7 +36,10 @@ fn assert_derivatives(x: [f64; 4]) {
     for (i, width) in widths.into_iter().enumerate() {
         for (k, exact) in tangents.into_iter().enumerate() {
             let (what, slope_there) = (format!("∂f{k}/∂x{i} at {x:?}"), exact.eps[i]);
-            let scale = slope_there.abs().max(exact.re.abs() / width).max(1e-10 * contact().stiffness);
+            let scale = slope_there
+                .abs()
+                .max(exact.re.abs() / width)
+                .max(1e-10 * contact().stiffness);
             let moved = |h: f64| {
                 let mut x = x;
                 x[i] += h;

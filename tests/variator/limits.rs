@@ -95,8 +95,8 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
     }
 }
 
-/// The slope at constant normal forces changes its sign where the torque over slip is largest: both
-/// shafts have given speeds. In underdrive all elements of the primary pulley slide before.
+/// The slope at constant normal forces changes its sign where the torque over slip is within 1 % of
+/// its peak: both shafts have given speeds. In underdrive all elements of the primary pulley slide before.
 #[test]
 fn past_the_peak_of_traction_torque_falls_with_slip() {
     for model in MODELS {
@@ -108,14 +108,11 @@ fn past_the_peak_of_traction_torque_falls_with_slip() {
             };
             let curve: Vec<_> = (0..9).map(|k| at(0.02 * f64::powi(1.35, k))).collect();
             let torque = |o: &Outputs| o.torque_utilisation.abs();
-            let peak = (0..9).max_by(|&a, &b| torque(&curve[a]).total_cmp(&torque(&curve[b])));
-            let peak = peak.expect("a curve");
+            let peak = curve.iter().map(torque).fold(0.0, f64::max);
             let past: Vec<_> = curve.iter().map(|o| o.past_peak).collect();
             let changes = past.partition_point(|past| !past);
-            assert!(
-                (peak..=peak + 1).contains(&changes),
-                "{model:?} {ratio}: {past:?}, peak {peak}"
-            );
+            let there = curve.get(changes).map_or(0.0, torque);
+            assert!(there > 0.99 * peak, "{model:?} {ratio}: {past:?}, {there}, peak {peak}");
             assert!(past[changes..].iter().all(|past| *past), "{model:?} {ratio}: {past:?}");
         }
     }
@@ -195,6 +192,8 @@ fn balanced(model: RingModel, omega: f64) -> Run {
     let mut parameters = of_theory(model, RATIO);
     // A step moves the ratio by 1e-4 to 1e-2 in the time observed.
     parameters.solver.tolerance = 1e-6;
+    // Micro-slip at half the pulley speed must be far above it.
+    parameters.friction.velocity *= 0.25;
     parameters.primary.sheave_damping = 0.0;
     parameters.secondary.sheave_damping = 0.0;
     let mut start = inputs((0.0, 10.0e3), (-40.0, 8.0e3));

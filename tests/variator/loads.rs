@@ -32,12 +32,12 @@ fn jacobians(model: RingModel, pinned: [u64; 10]) {
 
 #[test]
 fn jacobians_of_ale() {
-    jacobians(RingModel::Ale, [5, 369, 25, 15, 90, 15, 960, 30, 332, 666]);
+    jacobians(RingModel::Ale, [5, 343, 31, 16, 82, 15, 905, 32, 335, 683]);
 }
 
 #[test]
 fn jacobians_of_ale0() {
-    jacobians(RingModel::Ale0, [5, 224, 27, 15, 44, 13, 847, 32, 258, 487]);
+    jacobians(RingModel::Ale0, [5, 221, 30, 16, 39, 13, 771, 35, 273, 532]);
 }
 
 /// A slow shift under a torque that oscillates, as a function of time, s.

@@ -147,7 +147,7 @@ fn wrong_bytes_are_refused_and_change_nothing() {
         // the changed bit.
         refuses(
             &damaged(8),
-            "has version 5 of the layout, and this FMU reads version 21",
+            "has version 6 of the layout, and this FMU reads version 22",
         );
         refuses(&damaged(12), "GUID");
         refuses(&damaged(bytes.len() - 1), "checksum");
