@@ -211,4 +211,4 @@ def test_spiral_running_misses_what_is_not_the_law_of_tilt(
     found = spiral_running(state, PARAMETERS | {name: share * PARAMETERS[name] for name, share in sheaves.items()}, "primary")
     checks = {check.key for check in _spiral_checks([("case", found)]) if check.verdict is Verdict.MISSED}
     assert expected <= checks and (checks == expected or turned or skewed)
-    assert skewed or math.degrees(found.turn) == pytest.approx(turned, abs=1.0)
+    assert skewed or math.degrees(found.turn) == pytest.approx(turned, abs=1.5)
