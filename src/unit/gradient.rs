@@ -11,7 +11,7 @@ use crate::fmi::unit::Unit;
 use crate::variator::run::SteadyTangent;
 use crate::variator::settings::{INPUTS, Readings};
 
-/// Relative step of the central differences on the tangent. With a third, rounding changes small
+/// Relative step of differences on the tangent. With a third, rounding changes small
 /// derivatives by 1 %; with three times, curvature some by 5 %.
 const STEP: f64 = 3.0e-5;
 
