@@ -96,7 +96,8 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
 }
 
 /// The slope at constant normal forces changes its sign where the torque over slip is within 1 % of
-/// its peak: both shafts have given speeds. In underdrive all elements of the primary pulley slide before.
+/// its peak: both shafts have given speeds. In underdrive all elements of the primary pulley slide
+/// before.
 #[test]
 fn past_the_peak_of_traction_torque_falls_with_slip() {
     for model in MODELS {

@@ -128,7 +128,7 @@ fn misalignment_follows_the_ratio() {
 }
 
 /// Skewed strands change thrust ratio and losses little, and losses by three to four times at twice
-/// the misalignment, since flanks slide less than they yield: losses, not their share of a power that changes too at the same slip.
+/// the misalignment: losses, not their share of a power that changes too at the same slip.
 #[test]
 fn losses_rise_steeply_with_the_misalignment() {
     let state = |misalignment: f64| at_ratio(&spatial(misalignment), RATIO);

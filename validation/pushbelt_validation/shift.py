@@ -13,7 +13,7 @@ import numpy as np
 
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Instance
-from pushbelt.fmu.working_points import TIME_STEP, WINDOW
+from pushbelt.maps.line import TIME_STEP, WINDOW
 
 LOG_STEP = 0.3
 """Step of ln F_P."""

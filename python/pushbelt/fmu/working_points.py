@@ -40,11 +40,6 @@ FIRST_SLIP, SLIP_FACTOR, MOST_SLIP = 0.01, 1.4, 0.6
 FLAT = 0.01  # Relative growth of the utilisation from one slip to the next that counts as none
 TRIED = 1.05
 """Utilisation up to which points are tried, relative to that at capacity: the search ends before the peak of the traction."""
-WINDOW = (0.06, 0.12)
-"""Start and end of the window for the mean slope in a shift measurement, s after the jump: after its transient, before the ratio changes much."""
-TIME_STEP = 0.01  # Largest communication step in it, s
-SHIFT_REACH = 0.05  # Largest change of ln i in a shift measurement
-STEP_ANGLE = 0.5  # Largest angle of the primary pulley in a communication step of a shift measurement, rad
 SHOWN = {"thrustRatio": "thrustRatio", "slip": "slip", "efficiency": "efficiency", "torqueLoss": "secondary.externalTorque"}
 """Quantities with standard deviations and derivatives, and the outputs that these are of."""
 

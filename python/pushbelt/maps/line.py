@@ -11,10 +11,15 @@ import numpy as np
 from pushbelt.fmu.data import torque_capacity
 from pushbelt.fmu.steady import At, SteadyStates, driven_at_speed, driven_by_slip, driven_by_torque
 from pushbelt.fmu.unit import Instance, UnitError
-from pushbelt.fmu.working_points import SHIFT_REACH, STEP_ANGLE, TIME_STEP, WINDOW, Along, Line, driven_at, point
+from pushbelt.fmu.working_points import Along, Line, driven_at, point
 from pushbelt.fmu.working_points import measure as of_points
 
 HELD = 0.95  # Largest utilisation of shifts, relative to that at capacity
+WINDOW = (0.06, 0.12)
+"""Start and end of the window for the mean slope in a shift measurement, s after the jump: after its transient, before the ratio changes much."""
+TIME_STEP = 0.01  # Largest communication step in it, s
+SHIFT_REACH = 0.05  # Largest change of ln i in a shift measurement
+STEP_ANGLE = 0.5  # Largest angle of the primary pulley in a communication step of a shift measurement, rad
 
 
 def measure(
