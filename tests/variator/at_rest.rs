@@ -100,8 +100,8 @@ fn a_launch_loses_as_much_under_sharp_friction() {
 }
 
 /// Stop and go: the axial force before a stop and after the next start is the same, and so is that
-/// of a run which starts at rest. While the belt stands, a run that has stopped and one that starts
-/// have about the same force, and lose little of it in a second.
+/// of a run which starts at rest. A belt that stands has up to 8 % less, on finer meshes too. After
+/// a second a run that has stopped and one that starts have the same force.
 #[test]
 fn stop_and_go_returns_to_the_force() {
     for velocity in VELOCITIES {
@@ -130,7 +130,7 @@ fn stop_and_go_returns_to_the_force() {
         for force in standing.into_iter().flatten() {
             assert_close(force, before, 0.08, "force at a standstill");
         }
-        assert_close(standing[1][0], standing[0][0], 0.08, "a start and a stop");
+        assert_close(standing[1][1], standing[0][1], 0.02, "a start and a stop");
     }
 }
 

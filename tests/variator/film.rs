@@ -29,7 +29,8 @@ fn the_idle_arc_shrinks_as_the_torque_rises() {
     assert!(found.is_sorted_by(|a, b| a >= b), "{found:?}");
 }
 
-/// 0.2 mm more play adds 0.4 to 0.5 points of slip (Kobayashi et al., SAE 980822); here 0.23.
+/// 0.2 mm more play adds 0.23 points of slip: 0.4 to 0.5 by a law that has all play on the arc
+/// (Kobayashi et al., SAE 980822), of which a third is on the slack strand.
 #[test]
 fn slip_grows_with_the_play() {
     for (model, least) in [(RingModel::Ale, 0.0022), (RingModel::Ale0, 0.002)] {
