@@ -9,28 +9,28 @@ use crate::contact::Friction;
 use crate::ring::layers;
 use crate::scalar::Real;
 
-/// Smoothing width of the ring's normal load ⟨T − m_r ṡ²⟩₊, N.
+/// Smoothing width of the ring's normal load, N of ⟨T − m_r ṡ²⟩₊, N/m of the contact force.
 const RING_LOAD_SMOOTHING: f64 = 1.0;
 
-/// Part T − m_r ṡ² of the ring's tension that presses it on the elements, N.
+/// Part T − m_r ṡ² of the ring's tension that presses its layers on each other, N.
 #[inline(always)]
 pub fn pressing<T: Real>(mass_per_length: f64, tension: T, s_dot: T) -> T {
     tension - s_dot * s_dot * mass_per_length
 }
 
-/// Normal load ⟨`pressing`⟩₊ of the ring on the elements, N.
+/// Normal load ⟨`pressing`⟩₊.
 #[inline(always)]
 fn ring_load<T: Real>(pressing: T) -> T {
     pressing.smooth_plus(RING_LOAD_SMOOTHING).value
 }
 
-/// Friction of the ring on elements per dξ, N/m, at the tension [`pressing`], N, and the sliding
+/// Friction of the ring on elements per dξ under their contact force `load`, N/m, at the sliding
 /// speed, m/s.
 #[inline(always)]
-pub fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
+pub fn ring_friction<T: Real>(friction: &Friction, load: T, sliding: T) -> T {
     let v0 = friction.ring_velocity;
     let (_, inverse_speed) = (sliding * sliding + v0 * v0).root_and_inverse();
-    ring_load(pressing) * kappa * friction.ring * sliding * inverse_speed
+    ring_load(load) * friction.ring * sliding * inverse_speed
 }
 
 /// Drag of the ring's layers per dξ, N/m, at the tension [`pressing`], N, and the speed of the ring
