@@ -306,7 +306,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             along += base.ring.dot(&ring.t) * d_stack.lead + base.pitch.dot(&in_plane(&by.t))
                 - self.forces.ring_friction * self.vary_saddle_lead(given, change.by);
         }
-        let mut d_load = [Lanes::from(0.0); 2];
+        let mut d_load = Lanes::from(0.0);
         for k in 0..D - 1 {
             let normal = &ring.normals[k];
             let mut inward = inertia.across[k] + of_flanks.along(normal);
@@ -315,11 +315,13 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
                 load.position += by.normals[k] * self.forces.inward[k];
             }
             load.position += normal * inward;
-            d_load[k] = inward;
+            if k == 0 {
+                d_load = inward;
+            }
         }
-        let d_friction = change.forces[D - 1][0] + self.tangents[D - 1][0][0] * d_load[0];
+        let d_friction = change.forces[D - 1][0] + self.tangents[D - 1][0][0] * d_load;
         along += tangential * stack.lead - d_friction * self.forces.saddle_lead;
-        [along, d_friction, d_load[0]]
+        [along, d_friction, d_load]
     }
 
     /// Variation of the elastic energy of the flanks per pitch-line length, J/m.
