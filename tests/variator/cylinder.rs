@@ -147,7 +147,7 @@ fn derivatives_of_a_cylinder() {
                 assert!(off.abs() <= allowed, "{before} {after} {expected}");
             }
         }
-        assert_jacobian((system, state), 0.4);
+        assert_jacobian((system, state), 0.1);
     }
 }
 

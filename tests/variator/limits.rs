@@ -107,7 +107,7 @@ fn past_the_peak_of_traction_torque_falls_with_slip() {
                 let slipping = pair(SPEED / ratio * (1.0 - sign * slip), SPEED);
                 turning(&variator(model), ratio, force, slipping).outputs
             };
-            let curve: Vec<_> = (0..9).map(|k| at(0.02 * f64::powi(1.35, k))).collect();
+            let curve: Vec<_> = (0..17).map(|k| at(0.02 * f64::powf(1.162, f64::from(k)))).collect();
             let torque = |o: &Outputs| o.torque_utilisation.abs();
             let peak = curve.iter().map(torque).fold(0.0, f64::max);
             let past: Vec<_> = curve.iter().map(|o| o.past_peak).collect();

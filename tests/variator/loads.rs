@@ -32,12 +32,12 @@ fn jacobians(model: RingModel, pinned: [u64; 10]) {
 
 #[test]
 fn jacobians_of_ale() {
-    jacobians(RingModel::Ale, [5, 343, 31, 16, 82, 15, 905, 32, 335, 683]);
+    jacobians(RingModel::Ale, [5, 341, 17, 10, 75, 16, 890, 18, 356, 617]);
 }
 
 #[test]
 fn jacobians_of_ale0() {
-    jacobians(RingModel::Ale0, [5, 221, 30, 16, 39, 13, 771, 35, 273, 532]);
+    jacobians(RingModel::Ale0, [5, 211, 17, 9, 39, 13, 710, 20, 307, 575]);
 }
 
 /// A slow shift under a torque that oscillates, as a function of time, s.

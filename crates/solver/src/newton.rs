@@ -10,29 +10,26 @@ use pushbelt_archive::Archive;
 
 // "Half, twice": change of the work, residuals and 12 for each Jacobian, with half and twice the
 // constant: of the manoeuvre with ALE; of torque flips with ALE0, 1 s at each ratio, jumping and
-// ramped. Chaotic loads alone vary by some 2 %.
+// ramped. Chaotic loads vary by 2 %.
 
 /// Most Jacobians in a stage. Half, twice: 0, 0 %; 0, 0 %.
 const JACOBIANS: u64 = 15;
 /// Most iterations of Broyden's method in a stage: twice the residuals that a Jacobian with its
-/// factors costs, nine to fourteen for a push belt, since a stage with new factors takes a second
-/// iteration too. Half, twice: 0, 0 %; +2, 0 %.
+/// factors costs, nine to fourteen for a push belt. Half, twice: 0, 0 %; +2, 0 %.
 const ITERATIONS: usize = 24;
-/// Most iterations with the same factors beyond the first of each stage, added up over stages:
-/// after more, the next stage takes a new Jacobian. Half, twice: 0, +1 %; −3, +4 %, and noisy
-/// forces take up to a quarter more with half of it.
+/// Most iterations that a new Jacobian would have saved: the rise over the stages of those beyond
+/// the first, or half of their sum. Half, twice: +4, −3 %; +2, +2 %.
 const EXCESS_ITERATIONS: u64 = 24;
 /// Largest change of α, as a fraction of that of a factored matrix, with which the factors are
 /// tried. CVODE (Hindmarsh et al. 2005) takes 0.3. Half, twice: +2, +7 %; +1, −1 %. Random
-/// communication steps of 0.055 to 0.145 ms take 2.5 and 1.6 times the work of equal ones instead
-/// of 1.2.
+/// communication steps take 2.5 and 1.6 times the work of equal ones instead of 1.2.
 const REUSED: f64 = 0.4;
 /// Growth of the step in one iteration at which Broyden's method is abandoned: as in CVODE. Half,
 /// twice: +3, −1 %; +7, +1 %.
 const DIVERGED: f64 = 2.0;
 /// Exponent of the contraction of the last stage for the first iteration of the next, so that it is
-/// measured again before it is stale. Hairer and Wanner, Solving Ordinary Differential Equations
-/// II, IV.8, give 0.8, which takes a tenth more under smooth loads. Half, and 1, beyond which a
+/// measured before it is stale. Hairer and Wanner, Solving Ordinary Differential Equations II,
+/// IV.8, give 0.8, which takes a tenth more under smooth loads. Half, and 1, beyond which a
 /// contraction would fall unmeasured: +4, +19 %; 0, 0 %.
 const AGEING: f64 = 0.9;
 /// Part of the tolerance that may remain after the last iteration. Hairer and Wanner, IV.8, find
@@ -41,9 +38,9 @@ const REMAINDER: f64 = 0.15;
 /// Largest projection of the correction on the step where a search along the step ends, as a
 /// fraction of the step. Half, twice: 0, −1 %; +1, 0 %.
 const PROJECTION: f64 = 0.2;
-/// Residuals after which a search along a step ends at the best point found; without one it fails
-/// after twice as many. Half, twice: −1, 0 %; −2, +2 %, but with half of it 638 stages of the
-/// flips fail instead of 8.
+/// Residuals after which a search along a step ends at its best point; without one it fails
+/// after twice as many. Half, twice: −1, 0 %; −2, +2 %, but with half of it 638 stages of
+/// flips fail, not 8.
 const TRIALS: usize = 6;
 
 /// Work done.
@@ -111,7 +108,7 @@ pub struct WorkBound {
     pub jacobian: f64,
     /// Further work where all geometry is evaluated.
     pub geometry: f64,
-    /// Work that an iteration that has begun may take beyond the remaining one.
+    /// Work that an iteration may take beyond the remaining one.
     pub overdraft: f64,
     /// Most Jacobians in a stage.
     pub jacobians: u64,
@@ -192,8 +189,8 @@ struct Factored {
     alpha: f64,
     /// Contraction per iteration seen with these factors; 1 before any.
     rate: f64,
-    /// Iterations with these factors beyond the first of each stage.
-    excess: u64,
+    /// Stages, sum of iterations beyond the first, and of these times the number of the stage.
+    excess: [u64; 3],
 }
 
 impl Factored {
@@ -203,7 +200,7 @@ impl Factored {
     }
 
     fn forget(&mut self) {
-        (self.alpha, self.rate, self.excess) = (f64::INFINITY, 1.0, 0);
+        (self.alpha, self.rate, self.excess) = (f64::INFINITY, 1.0, [0; 3]);
     }
 
     fn serialize(&mut self, archive: &mut Archive<'_>) {
@@ -212,7 +209,7 @@ impl Factored {
             self.lu.serialize(archive);
         }
         archive.real(&mut self.rate);
-        archive.counter(&mut self.excess);
+        self.excess.iter_mut().for_each(|count| archive.counter(count));
     }
 }
 
@@ -241,8 +238,8 @@ pub struct Newton {
     /// y where the search begins; or the best y of Broyden's method.
     anchor: Vec<f64>,
     best_residual: Vec<f64>,
-    /// Largest error that remained after the last iteration of a stage, estimated from its
-    /// contraction, as a fraction of the tolerance. The caller sets it to zero.
+    /// Largest estimated error of a stage, as a part of the tolerance. The caller sets it to
+    /// zero.
     pub defect: f64,
     /// Bound of the work.
     pub bound: WorkBound,
@@ -264,7 +261,7 @@ impl Newton {
             lu: ArrowLu::new(shape),
             alpha: f64::INFINITY,
             rate: 1.0,
-            excess: 0,
+            excess: [0; 3],
         });
         Self {
             matrix: Arrow::new(shape),
@@ -285,8 +282,7 @@ impl Newton {
         }
     }
 
-    /// Writes to an archive, or reads from it, what later solutions depend on without the factored
-    /// Jacobians.
+    /// Writes to an archive, or reads from it, what later solutions need beside the factors.
     pub fn serialize(&mut self, archive: &mut Archive<'_>) {
         archive.flag(&mut self.known);
         if self.known {
@@ -336,14 +332,13 @@ impl Newton {
                 return Err(Unsolved::OutOfWork);
             }
             self.jacobians = 0;
-            self.known = self.choose(stage.alpha) && reuse;
-            if self.known && self.broyden(system, stage, false) {
-                self.known = false;
-                return Ok(());
-            }
-            if self.known {
+            if self.choose(stage.alpha) && reuse {
+                if self.broyden(system, stage, false) {
+                    return Ok(());
+                }
                 // The law has changed since, and more since the other factors.
                 self.kept[1 - self.present].forget();
+                self.known = true;
             }
         }
         let solved = self.damped_newton(system, stage);
@@ -460,8 +455,13 @@ impl Newton {
             if change * remainder < REMAINDER * stage.tolerance {
                 self.defect = self.defect.max(change * remainder / stage.tolerance);
                 stage.complete(system.has_position());
-                factored.excess += iteration as u64;
-                if factored.excess > EXCESS_ITERATIONS {
+                let [stages, sum, moment] = &mut factored.excess;
+                *stages += 1;
+                *sum += iteration as u64;
+                *moment += *stages * iteration as u64;
+                // Of a straight line through them.
+                let rise = (6 * *moment / *stages).saturating_sub(3 * *sum);
+                if rise.max(*sum / 2) > EXCESS_ITERATIONS {
                     factored.alpha = f64::INFINITY;
                 }
                 return true;

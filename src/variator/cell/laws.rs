@@ -19,7 +19,7 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 /// | law | forces | arguments |
 /// |---|---|---|
 /// | flank | elastic and viscous normal force, circumferential friction, friction along the flank | penetration, its rate, circumferential sliding, sliding along |
-/// | ring | friction on the elements | T − m_r ṡ², sliding speed |
+/// | ring | friction on the elements | contact force, sliding speed |
 /// | stack | push force | density, its material rate |
 pub(crate) const FORCES: usize = 4;
 pub(crate) const ARGUMENTS: usize = 4;
@@ -84,9 +84,8 @@ pub(crate) fn record_tangents<const D: usize>(to: &mut OfLaws<Tangents>, at: &At
         let force = flank_force(&law.contact, friction, law.wedge.cos, &motion);
         *to = [force.elastic(), force.viscous, force.tangential, force.along_flank].map(|force| force.eps);
     }
-    let kappa = Tangent::constant(at.station.ring.reference.kappa);
-    let [pressing, sliding] = seeded([forces.pressing, forces.sliding]);
-    to[first + D - 1][0] = padded(ring_friction(friction, pressing, kappa, sliding).eps);
+    let [load, sliding] = seeded([forces.inward[0], forces.sliding]);
+    to[first + D - 1][0] = padded(ring_friction(friction, load, sliding).eps);
     if at.index == 0 && !law.is_pull_chain() {
         let density = at.cell.density_with_rate();
         let [value, rate] = seeded([density.value, density.rate]);
@@ -104,6 +103,6 @@ pub(crate) fn record_arguments<T: Real, const D: usize>(
     for (to, motion) in to[first..][..D - 1].iter_mut().zip(&at.forces.flanks.motions) {
         *to = flank_arguments(motion);
     }
-    to[first + D - 1] = padded([at.forces.pressing, at.forces.sliding]);
+    to[first + D - 1] = padded([at.forces.inward[0], at.forces.sliding]);
     to[at.given.geometry.stations.len() * D] = stack_arguments(at.cell.density_with_rate());
 }

@@ -198,7 +198,7 @@ pub struct StationForces<T: Real, const D: usize> {
     /// forces, which act on it by way of their energy.
     pub of_flanks: LineForces<T, D>,
     pub on_speed: LineForces<T, D>,
-    /// Forces along the normals, inwards, N/m.
+    /// Forces along the normals, inwards, N/m: the contact force of the ring on the elements.
     pub inward: [T; 2],
     /// T − m_r ṡ², N, sliding speed of the ring on the elements, m/s, and its friction, N/m.
     pub pressing: T,
@@ -264,9 +264,9 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         let pressing = pressing(law.saddle_mass, tension, motion.reference.s_dot);
         let ring_speed = point.t.dot(&point.r_dot) + point.w * point.stretch;
         let kappa = point.reference.kappa;
-        let saddle_lead = kappa * stack.inverse_lambda * law.saddle_offset + 1.0;
+        let saddle_lead = stack.curvature[0] * stack.inverse_lambda * law.saddle_offset + 1.0;
         let sliding = ring_speed - stack.speed * saddle_lead;
-        let ring_friction = ring_friction(friction, pressing, kappa, sliding);
+        let ring_friction = ring_friction(friction, inward[0], sliding);
         Self {
             own_load,
             tension,

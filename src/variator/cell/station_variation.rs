@@ -2,7 +2,7 @@
 
 use crate::contact::{FlankForce, FlankMotion};
 use crate::pulley::Wedge;
-use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, WithRate, in_plane};
+use crate::ring::kinematics::{LineLoad, RingPoint, WithRate, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, along};
 use crate::solver::Factors;
 use crate::stack::{Components, PointVariation, StackPoint};
@@ -222,7 +222,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         let mut sliding = -(d_stack.speed * self.forces.saddle_lead);
         if MOVES {
             speed = d_stack.along + self.ring.w * by.ring.stretch;
-            sliding += speed - stack.speed * self.vary_saddle_lead(&by.ring);
+            sliding += speed - stack.speed * self.vary_saddle_lead(given, by);
         }
         if D == 2 {
             laws[0] = flank_arguments(&flank.motion);
@@ -231,7 +231,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             let shifted = |sign: f64| flank_arguments(&flank.motion.shifted(offset * sign, rate * sign, sin));
             (laws[0], laws[1]) = (shifted(1.0), shifted(-1.0));
         }
-        laws[D - 1] = padded([tension, sliding]);
+        laws[D - 1] = padded([Lanes::from(0.0), sliding]);
         self.drag_by_pressing * tension + self.drag_by_speed * speed
     }
 
@@ -249,7 +249,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     }
 
     /// Adds the variation of the flanks' forces to the load on the ring and to those on the pulley.
-    /// Returns that of inertia less forces along the belt, N/m, without the energy of the flanks.
+    /// Returns those of inertia less forces along the belt, without the energy of the flanks, of ring
+    /// friction and of its load, N/m.
     #[inline(always)]
     pub fn add_flank_forces<const MOVES: bool>(
         &self,
@@ -257,7 +258,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         change: &StationVariation<'_, D>,
         load: &mut LineLoad<Lanes, D>,
         out: &mut CellBalance<Lanes>,
-    ) -> Lanes {
+    ) -> [Lanes; 3] {
         let (ring, stack, at) = (self.ring, self.stack, &self.forces.kinematics);
         let (law, flanks) = (given.law, &self.forces.flanks);
         let StationVariation { flank, inertia, .. } = change;
@@ -303,8 +304,9 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         if MOVES {
             tangential += base.ring.dot(&by.t);
             along += base.ring.dot(&ring.t) * d_stack.lead + base.pitch.dot(&in_plane(&by.t))
-                - self.forces.ring_friction * self.vary_saddle_lead(by);
+                - self.forces.ring_friction * self.vary_saddle_lead(given, change.by);
         }
+        let mut d_load = Lanes::from(0.0);
         for k in 0..D - 1 {
             let normal = &ring.normals[k];
             let mut inward = inertia.across[k] + of_flanks.along(normal);
@@ -313,9 +315,13 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
                 load.position += by.normals[k] * self.forces.inward[k];
             }
             load.position += normal * inward;
+            if k == 0 {
+                d_load = inward;
+            }
         }
-        let d_friction = change.forces[D - 1][0];
-        along + tangential * stack.lead - d_friction * self.forces.saddle_lead
+        let d_friction = change.forces[D - 1][0] + self.tangents[D - 1][0][0] * d_load;
+        along += tangential * stack.lead - d_friction * self.forces.saddle_lead;
+        [along, d_friction, d_load]
     }
 
     /// Variation of the elastic energy of the flanks per pitch-line length, J/m.
@@ -329,10 +335,11 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         one(0, middle + offset) + one(1, middle - offset)
     }
 
-    /// δ(λ₁/λ): λ₁ and λ vary as |r'| does.
+    /// δ(λ₁/λ), with λ₁ = λ + e₁ κ̂: λ varies as |r'| does.
     #[inline(always)]
-    fn vary_saddle_lead(&self, by: &RingVariation<Lanes, D>) -> Lanes {
-        by.stretch * (-self.forces.saddle_lead + 1.0) * self.stack.inverse_lambda
+    fn vary_saddle_lead(&self, given: &CellInput<'_, Lanes>, by: &PointVariation<Lanes, D>) -> Lanes {
+        let turning = by.stack.curvature[0] * given.law.saddle_offset;
+        (turning + by.ring.stretch * (-self.forces.saddle_lead + 1.0)) * self.stack.inverse_lambda
     }
 }
 

@@ -160,7 +160,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 drag,
                 forces: station.vary_forces(laws),
             };
-            self.add_loads::<MOVES>(i, station, &change, load, &mut out, &mut sum);
+            laws[D - 1][0] = self.add_loads::<MOVES>(i, station, &change, load, &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, own, beta))
     }
@@ -309,7 +309,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         self.add_loads::<false>(i, station, &change, LineLoad::zero(), out, sum);
     }
 
-    /// Adds the variation of the loads at station `i`, with that of the ring's own `load`.
+    /// Adds the variation of the loads at station `i`, with that of the ring's own `load`. Returns
+    /// that of the load of ring friction, N/m.
     #[inline(always)]
     fn add_loads<const MOVES: bool>(
         &self,
@@ -319,12 +320,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         mut load: LineLoad<Lanes, D>,
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
-    ) {
+    ) -> Lanes {
         let (ring, weight) = (station.ring, station.weight);
         let by = &change.by.ring;
         let ring_along = load.position.dot(&ring.t);
-        let along = station.add_flank_forces::<MOVES>(&self.given, change, &mut load, out);
-        let d_along_ring = change.forces[D - 1][0] + change.drag;
+        let [along, d_friction, d_load] =
+            station.add_flank_forces::<MOVES>(&self.given, change, &mut load, out);
+        let d_along_ring = d_friction + change.drag;
         let across = load.position.dot(&ring.normals[0]);
         load.position += ring.t * d_along_ring;
         let mut dragged = d_along_ring * ring.stretch;
@@ -360,5 +362,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         };
         self.ring
             .apply_varied(sum, i + 1, ring, by, &station.forces.own_load, &station_load);
+        d_load
     }
 }

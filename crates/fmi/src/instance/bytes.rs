@@ -11,7 +11,7 @@
 use crate::hash;
 
 /// Version of the layout, to be raised with every change of what is stored.
-const VERSION: u32 = 22;
+const VERSION: u32 = 23;
 
 /// The first bytes of a stored state of the FMU with this GUID.
 fn head(guid: &str) -> Vec<u8> {
