@@ -106,7 +106,7 @@ fn jacobian_on_evenly_spaced_elements_matches_differences() {
         (small(RingModel::Ale0), Arc::new(EvenMesh(Ale0)), 200.0),
     ];
     for (parameters, ring, speed) in cases {
-        assert_jacobian(disturbed_with(&parameters, ring, speed), 0.4);
+        assert_jacobian(disturbed_with(&parameters, ring, speed), 0.1);
     }
 }
 

@@ -88,14 +88,14 @@ fn a_gradient_is_that_of_solved_states() {
             let mut rows = READ.map(|_| Vec::new());
             for (k, name) in VARIABLES.into_iter().enumerate() {
                 let value = found.0["variables"][k]["value"].as_f64().expect("a value");
-                let [above, below] = [1e-3, -1e-3].map(|step| {
+                let [above, below] = [3e-4, -3e-4].map(|step| {
                     let (mut other, moved) = (settings.clone(), Value::Real(value * (1.0 + step)));
                     let variable = table.by_name(name).expect("a variable");
                     variable.set(&mut other, moved).expect("a value");
                     Gradient::new(&mut started(&other, Some(&unit)), &other, &[])
                 });
                 for (row, output) in rows.iter_mut().zip(READ) {
-                    let solved = (above.value(output) - below.value(output)) / 2e-3;
+                    let solved = (above.value(output) - below.value(output)) / 6e-4;
                     row.push((name, value * found.derivative(output, k), solved));
                 }
             }

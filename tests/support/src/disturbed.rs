@@ -104,7 +104,7 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
         let layout = &system.belt.layout;
         layout.node_unknowns().for_each(|of| coarse[of.index] = of.is_length);
     }
-    let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
+    let h = |i: usize| size[i] * if coarse[i] { 1.0 } else { step };
     let name = system.belt.ring.name();
     compare(&mut system, TIME, &state, [alpha, beta], h, |entry| {
         let noise = 1e-15 * (entry.rounded + 1e3 / h(entry.column));

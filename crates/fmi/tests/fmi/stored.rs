@@ -143,11 +143,11 @@ fn wrong_bytes_are_refused_and_change_nothing() {
         assert_eq!(bytes[12..28], guid.to_le_bytes(), "after the version");
         refuses(&bytes[1..], "not a stored state");
         refuses(&[&bytes[..], b"x"].concat(), "checksum");
-        // Those of another version of the layout by both versions: the present one, 21, and 21 with
+        // Those of another version of the layout by both versions: the present one, and that with
         // the changed bit.
         refuses(
             &damaged(8),
-            "has version 6 of the layout, and this FMU reads version 22",
+            "has version 7 of the layout, and this FMU reads version 23",
         );
         refuses(&damaged(12), "GUID");
         refuses(&damaged(bytes.len() - 1), "checksum");
