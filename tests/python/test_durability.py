@@ -196,9 +196,9 @@ def test_a_collective_of_working_points_is_solved(
 
 @pytest.mark.parametrize(("ratio", "torque", "force"), [(0.45, 0.0, 10e3), (0.45, 150.0, 30e3), (1.0, 60.0, 12e3)])
 def test_estimate_of_clamping_is_near_the_fmu(fmu: Path, ratio: float, torque: float, force: float) -> None:
-    """The estimate exaggerates under load, as docs/durability.md says."""
+    """The estimate exaggerates under load, as docs/durability.md says. Twice the elements: the peaks of stress have a mesh error of 2 %."""
     found = {}
-    with Variator("bench168", fmu=fmu) as belt:
+    with Variator("bench168", {"mesh.primaryArc": 32, "mesh.secondaryArc": 32, "mesh.strand": 20}, fmu=fmu) as belt:
         for factor in (0.9, 1.0, 1.1):
             outputs = belt.steady(ratio, torque, speed=200.0, force=factor * force).outputs
             names = [*CYCLES, "ring.speed", *(f"{pulley}.radius" for pulley in PULLEYS)]
