@@ -206,8 +206,9 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         flank
     }
 
-    /// Writes the variations of the arguments of the laws of flanks and ring where T varies by
-    /// `tension`. Returns that of the drag of the ring's layers, N/m.
+    /// Writes the variations of the arguments of the laws of flanks and ring, zero for the ring's load,
+    /// which follows from those of the flanks. Returns that of the layers' drag, N/m, where T varies
+    /// by `tension`.
     #[inline(always)]
     pub fn vary_arguments<const MOVES: bool>(
         &self,
