@@ -88,7 +88,7 @@ def measured(solver: Callable[[Sequence[Job]], list[Found]], points: Sequence[Po
 
 @pytest.mark.slow
 def test_the_step_of_the_differences_stands_on_a_plateau(solver: Any, variables: Mapping[str, Any]) -> None:
-    """Central differences over a third and three times the step agree to 3 % of the largest slope of their quantity. On twice the default mesh:
+    """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity. On twice the default mesh:
     on coarser ones thrust ratios, and on the default mesh a shift gain (2.2 %), have waves over the friction coefficient."""
     chosen = parameters.choose({"friction.pulley": 0.087, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
     opened = model.Model([STEADY[1], STEADY[7], SHIFTS[0]], solver)
@@ -96,9 +96,9 @@ def test_the_step_of_the_differences_stands_on_a_plateau(solver: Any, variables:
     fixed = {**parameters.assign(chosen, place), **{name: 2 * int(variables[name].start) for name in MESH}}
     base = opened.states(fixed)
     found = [opened.slopes(chosen, fixed, place, base, factor * model.STEP) for factor in (1.0 / 3.0, 1.0, 3.0)]
-    assert np.abs(found[1]).max(axis=0).min() > 0.5
+    assert np.abs(found[1]).max(axis=0).min() > 0.8
     for rows in opened.values.groupby("quantity").indices.values():
-        assert max(np.abs(other - found[1])[rows].max() for other in found) < 0.03 * np.abs(found[1][rows]).max()
+        assert max(np.abs(other - found[1])[rows].max() for other in found) < 0.02 * np.abs(found[1][rows]).max()
 
 
 @pytest.mark.parametrize("jumped", ["above", "here", "below"])

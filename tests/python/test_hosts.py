@@ -20,7 +20,7 @@ from pushbelt.fmu.unit import Archive, Instance
 
 LOADS = ["smooth", "firing", "ripple", "noise", "slam", "launch", "flips", "stairs", "firing-and-noise", "hunting"]
 INPUTS = {"primary.torque": 60.0, "secondary.torque": -58.0, "primary.clampingForce": 14e3, "secondary.clampingForce": 10e3}
-STEPS = 40
+STEPS = 60
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="the program needs Linux")
 PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}  # The folder of the library in an archive of each version
 
@@ -91,7 +91,7 @@ def test_an_importer_in_rust_finds_what_fmpy_finds(fmu: Path) -> None:
         expected = dict(zip(found, unit.get_reals(unit.reals(found)), strict=True))
     assert len(found) == 6
     assert found == pytest.approx(expected, rel=1e-9)
-    assert found["ratio.geometric"] != pytest.approx(1.0, abs=1e-5), "the inputs act"
+    assert found["ratio.geometric"] != pytest.approx(1.0, abs=1e-4), "the inputs act"
 
 
 @pytest.fixture(scope="module")
