@@ -13,7 +13,8 @@
 //!
 //! Kelvin–Voigt damping T = EA (γ + η Dγ/Dt) has the virtual power of Dγ/Dt = γ̇ + w γ', with the
 //! mean of γ' over a cell of the mesh: the pointwise γ' excites waves as short as an element
-//! (`docs/decisions.md`). The moment EI η n_refᵀ (r'')˙ damps bending.
+//! (`docs/decisions.md`). The moment EI η n_refᵀ (r'')˙ damps bending that changes at a mesh point,
+//! without loss in steady running.
 
 use super::Ring;
 use super::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
@@ -37,7 +38,7 @@ pub fn curvature<T: Real, const D: usize>(point: &RingPoint<T, D>) -> T {
         - reference.kappa * (reference.t.dot(&in_plane(&point.slope)) - 1.0)
 }
 
-/// n_refᵀ (r'')˙ at fixed η, 1/(m s).
+/// Rate of bending n_refᵀ (r'')˙ at fixed η, 1/(m s).
 #[inline(always)]
 fn bending_rate<T: Real, const D: usize>(point: &RingPoint<T, D>) -> T {
     point.reference.n.dot(&in_plane(&point.bend_dot))

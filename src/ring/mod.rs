@@ -20,7 +20,7 @@ pub struct Ring {
     /// Bending stiffness EI_b out of the plane of the drive, N·m²; used by rings that deflect in
     /// space.
     pub lateral_bending_stiffness: f64,
-    /// Kelvin–Voigt time η of strain and bending, s.
+    /// Kelvin–Voigt damping time η of strain and bending, s.
     pub damping: f64,
 }
 

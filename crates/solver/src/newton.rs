@@ -10,19 +10,22 @@ use pushbelt_archive::Archive;
 
 // "Half, twice": change of the work, residuals and 12 for each Jacobian, with half and twice the
 // constant: of the manoeuvre with ALE; of torque flips with ALE0, 1 s at each ratio, jumping and
-// ramped. Chaotic loads vary by 2 %.
+// ramped. Chaotic loads alone vary by some 2 %.
 
 /// Most Jacobians in a stage. Half, twice: 0, 0 %; 0, 0 %.
 const JACOBIANS: u64 = 15;
 /// Most iterations of Broyden's method in a stage: twice the residuals that a Jacobian with its
-/// factors costs, nine to fourteen for a push belt. Half, twice: 0, 0 %; +2, 0 %.
+/// factors costs, nine to fourteen for a push belt, since a stage with new factors takes a second
+/// iteration too. Half, twice: 0, 0 %; +2, 0 %.
 const ITERATIONS: usize = 24;
-/// Most iterations that a new Jacobian would have saved: the rise over the stages of those beyond
-/// the first, or half of their sum. Half, twice: +4, −3 %; +2, +2 %.
+/// Most iterations that a new Jacobian would have saved: those beyond the first of each stage as far
+/// as they rise with the stages, or half of them; then the next stage takes one. Half, twice: +4,
+/// −3 %; +2, +2 %.
 const EXCESS_ITERATIONS: u64 = 24;
 /// Largest change of α, as a fraction of that of a factored matrix, with which the factors are
 /// tried. CVODE (Hindmarsh et al. 2005) takes 0.3. Half, twice: +2, +7 %; +1, −1 %. Random
-/// communication steps take 2.5 and 1.6 times the work of equal ones instead of 1.2.
+/// communication steps of 0.055 to 0.145 ms take 2.5 and 1.6 times the work of equal ones instead
+/// of 1.2.
 const REUSED: f64 = 0.4;
 /// Growth of the step in one iteration at which Broyden's method is abandoned: as in CVODE. Half,
 /// twice: +3, −1 %; +7, +1 %.
@@ -108,7 +111,7 @@ pub struct WorkBound {
     pub jacobian: f64,
     /// Further work where all geometry is evaluated.
     pub geometry: f64,
-    /// Work that an iteration may take beyond the remaining one.
+    /// Work that an iteration that has begun may take beyond the remaining one.
     pub overdraft: f64,
     /// Most Jacobians in a stage.
     pub jacobians: u64,
@@ -189,7 +192,8 @@ struct Factored {
     alpha: f64,
     /// Contraction per iteration seen with these factors; 1 before any.
     rate: f64,
-    /// Stages, sum of iterations beyond the first, and of these times the number of the stage.
+    /// Stages with these factors; sum of their iterations beyond the first; sum of these times the
+    /// number of their stage.
     excess: [u64; 3],
 }
 
@@ -238,8 +242,8 @@ pub struct Newton {
     /// y where the search begins; or the best y of Broyden's method.
     anchor: Vec<f64>,
     best_residual: Vec<f64>,
-    /// Largest estimated error of a stage, as a part of the tolerance. The caller sets it to
-    /// zero.
+    /// Largest error that remained after the last iteration of a stage, estimated from its
+    /// contraction, as a fraction of the tolerance. The caller sets it to zero.
     pub defect: f64,
     /// Bound of the work.
     pub bound: WorkBound,
@@ -459,7 +463,7 @@ impl Newton {
                 *stages += 1;
                 *sum += iteration as u64;
                 *moment += *stages * iteration as u64;
-                // Of a straight line through them.
+                // What a straight line through the iterations rises to above its start, summed.
                 let rise = (6 * *moment / *stages).saturating_sub(3 * *sum);
                 if rise.max(*sum / 2) > EXCESS_ITERATIONS {
                     factored.alpha = f64::INFINITY;

@@ -253,7 +253,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     }
 
     /// Calls `record` with the variation of balance and ring forces for a unit variation of each
-    /// force of the laws, and the number of the force.
+    /// force of the laws, and the number of the force. Ring friction follows its load by these
+    /// tangents, so later ones are exact to first order.
     #[inline(always)]
     pub fn for_each_force(&self, mut record: impl FnMut(usize, CellBalance<Lanes>, RingForces<Lanes, D>)) {
         let [zero, one] = [0.0, 1.0].map(Lanes::from);

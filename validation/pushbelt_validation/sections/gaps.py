@@ -80,14 +80,14 @@ def _arcs(bench: Bench) -> tuple[Table, list[Check]]:
 def _slips(bench: Bench) -> tuple[Table, Check]:
     """The slip that more play adds in underdrive."""
     solved = [(play, _solve(bench, SLIP_RATIO, SLIP_FORCE, SLIP_LOAD, play)) for play in PLAYS]
-    slips = [out["slip"] if out else math.nan for _, out in solved]
+    less, more = (out["slip"] if out else math.nan for _, out in solved)
     low, high = data()["playSlip"]["slipGain"]
     check = reported(
         "play-slip",
         f"Slip that play of {1e3 * PLAYS[1]:g} instead of {1e3 * PLAYS[0]:g} mm adds, ratio {SLIP_RATIO:g}, "
         f"{SLIP_FORCE / 1e3:g} kN, half of the torque of full slip",
-        source("playSlip"), f"{POINTS.text(low, high)} by a law that has all play on the arc; in single elements, as here, "
-        "a third of it is on the slack strand", POINTS.text(*(gain for gain in [slips[1] - slips[0]] if not math.isnan(gain))),
+        source("playSlip"), f"{POINTS.text(low, high)} by a law that has all play on the arc",
+        NOTHING if math.isnan(more - less) else POINTS.text(more - less),
     )  # fmt: skip
     columns = (Column("Play", "mm", 1, 1e3), share("Slip", 2, signed=False), ARC, Column("Thrust ratio"))
     rows = [[play, out["slip"], out["primary.idleArc"], out["thrustRatio"]] for play, out in solved if out]
